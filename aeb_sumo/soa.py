@@ -1,0 +1,33 @@
+"""Structs of arrays: dataclasses whose fields all share their first axis, one row per vehicle."""
+
+from dataclasses import fields, replace
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Bools", "Floats", "Ints", "fitted", "put", "take"]
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Ints = NDArray[np.int64]
+
+S = TypeVar("S")
+
+
+def take(struct: S, rows: Ints | Bools) -> S:
+    """A copy of some rows."""
+    return replace(struct, **{f.name: getattr(struct, f.name)[rows] for f in fields(struct)})  # type: ignore[type-var, arg-type]
+
+
+def put(struct: S, rows: Ints | Bools, values: S) -> None:
+    """Write `values` into `rows` of `struct`, in place."""
+    for f in fields(struct):  # type: ignore[arg-type]
+        getattr(struct, f.name)[rows] = getattr(values, f.name)
+
+
+def fitted(array: NDArray[Any], size: int) -> NDArray[Any]:
+    """`array` when it has `size` rows or more, else a copy with zeros (False) behind."""
+    if len(array) >= size:
+        return array
+    return np.concatenate([array, np.zeros((size - len(array), *array.shape[1:]), array.dtype)])

@@ -1,0 +1,1 @@
+"""What a car does with a demand: lower controller and brake."""

@@ -1,0 +1,76 @@
+"""The PID lower controller of Zhao et al. 2025, 2.2: from the demanded to the controlled deceleration."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeb_sumo.soa import Floats
+
+__all__ = ["PidParams", "PidState", "pid_init", "pid_step"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PidParams:
+    """Gains of eq. 7.
+
+    Attributes:
+        kp: proportional gain.
+        ti: integral time [s].
+        td: derivative time [s], our assumption.
+        limit: the controller's output stays within 0 and this [m/s2], our assumption; the integral stops there.
+
+    The source tunes its gains by particle swarm and does not print them; see `for_plant`.
+    """
+
+    kp: float
+    ti: float
+    td: float = 0.0
+    limit: float = 12.0
+
+    @classmethod
+    def for_plant(cls, *, lag: float, dead_time: float) -> "PidParams":
+        """Gains for a first-order lag [s] behind a dead time [s].
+
+        The SIMC rule, from another source (Skogestad 2003, J. Process Control 13, Table 1), with the closed loop as
+        fast as the plant allows: `kp = lag / (tau_c + dead_time)`, `ti = lag`, `tau_c = max(lag, dead_time)`. Without
+        dead time the loop follows the demand with the lag of the plant itself, within the <= 0.1 s that the published
+        results allow (shared/seeds.md A11).
+        """
+        lag = max(lag, 0.01)
+        return cls(kp=lag / (max(lag, dead_time) + dead_time), ti=lag)
+
+
+@dataclass(frozen=True)
+class PidState:
+    """Memory of the controller, (n,) each: the integral of the error [m/s], the last error [m/s2]."""
+
+    integral: Floats
+    error: Floats
+
+
+def pid_init(n: int) -> PidState:
+    """State at rest."""
+    return PidState(np.zeros(n), np.zeros(n))
+
+
+def pid_step(
+    params: PidParams, state: PidState, *, demand: Floats, actual: Floats, dt: float
+) -> tuple[PidState, Floats]:
+    """One step of `a_con = Kp [e + 1/Ti int e dt + Td de/dt]` (eq. 7), e = demanded - actual deceleration.
+
+    Args:
+        params: the gains.
+        state: (n,) memory.
+        demand: (n,) demanded deceleration, >= 0 [m/s2].
+        actual: (n,) deceleration of the car, >= 0 [m/s2].
+        dt: step [s].
+
+    Returns:
+        The new state and the (n,) controlled deceleration [m/s2], 0 to `params.limit`.
+    """
+    error = demand - actual
+    integral = state.integral + error * dt
+    wanted = params.kp * (error + integral / params.ti + params.td * (error - state.error) / dt)
+    controlled = np.clip(wanted, 0.0, params.limit)
+    winding_up = (wanted != controlled) & (np.sign(error) == np.sign(wanted - controlled))
+    return PidState(np.where(winding_up, state.integral, integral), error), controlled

@@ -1,0 +1,50 @@
+"""Builds the networks from their plain-XML sources: `python -m sumo_nets.build [NAME ...]`.
+
+Each folder holds `{name}.netccfg`, the netconvert configuration that makes `{name}.net.xml`, and, where the sources
+are computed, a `sources.py` with `write(target)`. Needs netconvert (PyPI `eclipse-sumo`, part of the `dev` extra); the
+built nets are committed, so running the platform does not.
+"""
+
+import importlib
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import sumo_nets
+
+__all__ = ["build"]
+
+
+def build(name: str, target: Path) -> Path:
+    """Build network `name` in the folder `target` from the sources of its own folder.
+
+    Returns:
+        The built net. Its header comment (date, command line) is left out, so that equal sources give equal files.
+
+    Raises:
+        FileNotFoundError: netconvert is not installed.
+        subprocess.CalledProcessError: netconvert refused the sources.
+    """
+    netconvert = shutil.which("netconvert") or shutil.which("netconvert", path=str(Path(sys.executable).parent))
+    if netconvert is None:
+        raise FileNotFoundError("netconvert is not installed: pip install 'aeb-sumo[dev]'")
+    source = sumo_nets.folder(name)
+    if target != source:
+        for pattern in ("*.netccfg", "*.nod.xml", "*.edg.xml", "*.con.xml"):
+            for path in source.glob(pattern):
+                shutil.copy(path, target)
+    if (source / "sources.py").exists():
+        importlib.import_module(f"sumo_nets.{name}.sources").write(target)
+    subprocess.run(  # noqa: S603 - our own configuration file
+        [netconvert, "-c", f"{name}.netccfg"], cwd=target, check=True, capture_output=True, text=True
+    )
+    net = target / f"{name}.net.xml"
+    net.write_text(re.sub(r"<!--.*?-->\s*", "", net.read_text(encoding="utf-8"), flags=re.S), encoding="utf-8")
+    return net
+
+
+if __name__ == "__main__":
+    for each in sys.argv[1:] or sumo_nets.names():
+        print(build(each, sumo_nets.folder(each)))
