@@ -32,11 +32,13 @@ def ttc2(*, gap: ArrayLike, closing_speed: ArrayLike, closing_accel: ArrayLike) 
     Source: Zhao et al. 2025, Table 1. Its rows leave out `v < 0, a > 0` (opening now, closing later); the same root is
     used there.
     """
-    d, v, a = np.broadcast_arrays(*(np.asarray(q, float) for q in (gap, closing_speed, closing_accel)))
+    gap, v, a = np.broadcast_arrays(*(np.asarray(q, float) for q in (gap, closing_speed, closing_accel)))
+    far = np.isinf(gap)  # nothing ahead
+    d = np.where(far, 1.0, gap)
     discriminant = v * v + 2 * a * d
     root = np.sqrt(np.maximum(discriminant, 0.0))
     time = np.full(d.shape, np.inf)
     # For v < 0 the sum in the denominator cancels; the other form of the same root does not.
     np.divide(2 * d, v + root, out=time, where=(discriminant >= 0) & (v >= 0) & (v + root > 0))
     np.divide(root - v, a, out=time, where=(discriminant >= 0) & (v < 0) & (a > 0))
-    return np.where(d <= 0, 0.0, time)
+    return np.where(far, np.inf, np.where(d <= 0, 0.0, time))

@@ -1,0 +1,277 @@
+"""The arrays of all equipped vehicles, and the pipeline over them: perception -> strategy -> brake."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeb_sumo.criticality import ttc, ttc2
+from aeb_sumo.perception.crossing import Ahead, Others, conflicts
+from aeb_sumo.perception.lead import sees_lead
+from aeb_sumo.perception.sensor import Sensor
+from aeb_sumo.soa import Bools, Floats, Ints, fitted, put, take
+from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
+from aeb_sumo.vehicle.brake import brake_init, brake_step
+from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.paths import Turn
+from aeb_sumo.world.surroundings import leaders
+
+__all__ = ["Fleet", "Target", "Targets"]
+
+_LOOK_AHEAD = np.arange(0.0, 40.0, 0.5)  # m along the own path, for those who cross it, our assumption
+_RELEASED = 0.05  # m/s2, a brake below this is off
+_HOLDING = 3.0  # m/s2, of a brake that holds a standing car: any value holds it
+
+
+@dataclass(frozen=True)
+class Targets:
+    """What each equipped vehicle reacts to, (n,) each: slot or -1, gap [m], speed and acceleration along the own path
+    [m/s], [m/s2], and whether it crosses that path."""
+
+    slot: Ints
+    gap: Floats
+    speed: Floats
+    accel: Floats
+    crossing: Bools
+
+
+@dataclass(frozen=True)
+class Target:
+    """One vehicle's target at this step, for the books."""
+
+    slot: int
+    crossing: bool
+    gap: float
+    ttc: float
+    ttc2: float
+    closing_speed: float
+
+
+class Fleet:
+    """All equipped vehicles.
+
+    Attributes:
+        equipped: per slot.
+        demand: per slot, the strategy's demand in the coming step.
+        decel: per slot, mean deceleration by the AEB's brake in the coming step [m/s2].
+    """
+
+    def __init__(self, traffic: Traffic, strategy: Strategy, sensor: Sensor, mu: float) -> None:
+        self._traffic = traffic
+        self._strategy = strategy
+        self._sensor = sensor
+        self._mu = mu
+        self._capacity = 0
+        self._memory = strategy.init(0)
+        self._brake = brake_init(strategy.brake, 0)
+        self.demand = Demand.nothing(0)
+        self.equipped: Bools = np.zeros(0, np.bool_)
+        self.decel: Floats = np.zeros(0)
+        self._last_phase: Ints = np.zeros(0, np.int64)
+        self._hold: Floats = np.zeros(0)
+        self._lead: Floats = np.zeros(0)  # serial number of the last lead seen
+        self._lead_seen: Floats = np.zeros(0)  # for how long [s]
+        self._crossing_seen: dict[tuple[int, int], float] = {}  # serials of ego and other -> for how long [s]
+        self._targets: Targets | None = None
+        self._rows: Ints = np.zeros(0, np.int64)
+
+    def depart(self, slot: int, *, equipped: bool) -> None:
+        """A vehicle enters."""
+        self._fit()
+        self.equipped[slot] = equipped
+        self._reset(np.array([slot]))
+
+    def leave(self, slot: int) -> None:
+        """A vehicle is gone."""
+        self.equipped[slot] = False
+        self._reset(np.array([slot]))
+
+    def step(self, turns: list[Turn], disabled: Bools) -> None:
+        """From the state just observed to `demand` and `decel` for the coming step.
+
+        Args:
+            turns: vehicles near junctions and their paths.
+            disabled: per slot, vehicles whose AEB is out of action (wrecks).
+        """
+        t, dt = self._traffic, self._traffic.dt
+        self._fit()
+        off = np.flatnonzero(self.equipped & disabled[: self._capacity])
+        if len(off):
+            self._reset(off)
+        rows = np.flatnonzero(self.equipped & t.here & ~disabled)
+        self.decel[:] = 0.0
+        self.demand.phase[:] = Phase.NONE
+        self.demand.decel[:] = 0.0
+        targets = self._perceive(rows, turns)
+        # The strategy only has work where there is a target, or something to end.
+        unfinished = (self._last_phase[rows] > 0) | (self._brake.decel[rows] > _RELEASED) | (self._hold[rows] > 0)
+        busy = (targets.slot >= 0) | unfinished
+        rows, targets = rows[busy], take(targets, busy)
+        self._rows, self._targets = rows, targets
+        if not len(rows):
+            return
+        percept = Percept(
+            valid=targets.slot >= 0,
+            gap=targets.gap,
+            ego_speed=t.speed[rows],
+            ego_accel=t.accel[rows],
+            target_speed=targets.speed,
+            target_accel=targets.accel,
+            mu=np.full(len(rows), self._mu),
+        )
+        memory, demand = self._strategy.step(take(self._memory, rows), percept, dt)
+        put(self._memory, rows, memory)
+        put(self.demand, rows, demand)
+        self._last_phase[rows] = demand.phase
+        self._apply_brake(rows, demand)
+
+    def _apply_brake(self, rows: Ints, demand: Demand) -> None:
+        t, dt, params = self._traffic, self._traffic.dt, self._strategy.brake
+        braking = (demand.decel > 0) | (self._brake.decel[rows] > _RELEASED) | (self._hold[rows] > 0)
+        rows, wanted = rows[braking], demand.decel[braking].copy()
+        if not len(rows):
+            return
+        # Brought to a stop by its AEB, a car is held for a while; its driver then takes over.
+        stopped = (t.speed[rows] <= 0) & (t.old_speed[rows] > 0) & (self._brake.decel[rows] > _RELEASED)
+        self._hold[rows] = np.where(stopped, params.hold, np.maximum(self._hold[rows] - dt, 0.0))
+        wanted = np.where(self._hold[rows] > 0, np.maximum(wanted, _HOLDING), wanted)
+        brake, decel = brake_step(
+            params, take(self._brake, rows), demand=wanted, mu=np.full(len(rows), self._mu), dt=dt
+        )
+        put(self._brake, rows, brake)
+        decel = np.where(t.speed[rows] > 0, decel, np.where(self._hold[rows] > 0, _HOLDING, 0.0))
+        self.decel[rows] = np.where(decel > _RELEASED, decel, 0.0)
+        idle = rows[(self.decel[rows] == 0) & (wanted == 0)]
+        if len(idle):
+            put(self._brake, idle, brake_init(params, len(idle)))
+
+    def active(self) -> list[tuple[int, Target | None]]:
+        """Slots whose AEB warns or brakes in the coming step, with their targets."""
+        if self._targets is None or not len(self._rows):
+            return []
+        t, rows, targets = self._traffic, self._rows, self._targets
+        on = np.flatnonzero((self.demand.phase[rows] > Phase.NONE) | (self.decel[rows] > 0))
+        if not len(on):
+            return []
+        slots = rows[on]
+        gap, closing = targets.gap[on], t.speed[slots] - targets.speed[on]
+        first = ttc(gap=gap, closing_speed=closing)
+        second = ttc2(gap=gap, closing_speed=closing, closing_accel=t.accel[slots] - targets.accel[on])
+        return [
+            (
+                int(slot),
+                Target(
+                    int(targets.slot[k]), bool(targets.crossing[k]), float(gap[i]), float(first[i]), float(second[i]),
+                    float(closing[i]),
+                )
+                if targets.slot[k] >= 0
+                else None,
+            )
+            for i, (slot, k) in enumerate(zip(slots, on, strict=True))
+        ]  # fmt: skip
+
+    def _perceive(self, rows: Ints, turns: list[Turn]) -> Targets:
+        """The nearest confirmed target of each."""
+        t = self._traffic
+        moving = t.speed[rows] > 0
+        lead, gap = np.full(len(rows), -1, np.int64), np.full(len(rows), np.inf)
+        lead[moving], gap[moving] = self._leads(rows[moving])
+        found = np.maximum(lead, 0)
+        along = np.cos(t.heading[found] - t.heading[rows])
+        targets = Targets(
+            lead,
+            gap,
+            np.where(lead >= 0, t.speed[found] * along, 0.0),
+            np.where(lead >= 0, t.accel[found] * along, 0.0),
+            np.zeros(len(rows), np.bool_),
+        )
+        for slot, (other, distance) in self._crossings(turns).items():
+            k = int(np.searchsorted(rows, slot))
+            if distance < targets.gap[k]:
+                put(
+                    targets,
+                    np.array([k]),
+                    Targets(*(np.array([q]) for q in (other, distance, 0.0, 0.0, True))),  # type: ignore[arg-type]
+                )
+        return targets
+
+    def _leads(self, rows: Ints) -> tuple[Ints, Floats]:
+        """Confirmed leads: slots (-1 for none) and gaps [m]."""
+        t = self._traffic
+        lead, gap = leaders(t, rows, self._sensor.reach)
+        k = np.flatnonzero(lead >= 0)
+        ego, other = rows[k], lead[k]
+        seen = np.zeros(len(rows), np.bool_)
+        seen[k] = sees_lead(
+            self._sensor,
+            x=t.x[ego],
+            y=t.y[ego],
+            heading=t.heading[ego],
+            gap=gap[k],
+            rear_x=t.x[other] - t.length[other] * np.cos(t.heading[other]),
+            rear_y=t.y[other] - t.length[other] * np.sin(t.heading[other]),
+            lead_heading=t.heading[other],
+        )
+        serial = np.where(seen, t.serial[np.maximum(lead, 0)], 0.0)
+        same = (serial > 0) & (serial == self._lead[rows])
+        self._lead_seen[rows] = np.where(same, self._lead_seen[rows] + t.dt, 0.0)
+        self._lead[rows] = serial
+        confirmed = seen & (self._lead_seen[rows] >= self._sensor.confirm - t.dt / 2)
+        return np.where(confirmed, lead, -1), np.where(confirmed, gap, np.inf)
+
+    def _crossings(self, turns: list[Turn]) -> dict[int, tuple[int, float]]:
+        """Confirmed crossing targets: ego slot -> (other slot, distance along the own path [m])."""
+        t = self._traffic
+        turns = [turn for turn in turns if self.equipped[turn.slot] and t.speed[turn.slot] > 0]
+        seen, self._crossing_seen = self._crossing_seen, {}
+        if not turns:
+            return {}
+        egos = np.array([turn.slot for turn in turns])
+        others = t.present
+        at = np.array([turn.at for turn in turns])[:, None] + _LOOK_AHEAD[None, :]
+        xs, ys, headings = (np.empty(at.shape) for _ in range(3))
+        for k, turn in enumerate(turns):
+            index = np.minimum((at[k] / 0.5).astype(np.int64), len(turn.path.heading) - 1)
+            xs[k], ys[k], headings[k] = *turn.path.points[index].T, turn.path.heading[index]
+        braking = self._last_phase[egos] >= Phase.PARTIAL_BRAKE
+        locked = np.zeros((len(egos), len(others)), np.bool_)
+        serial = t.serial.astype(np.int64)
+        for k in np.flatnonzero(braking):
+            locked[k] = [(serial[egos[k]], s) in seen for s in serial[others]]
+        distance = conflicts(
+            self._sensor,
+            Ahead(_LOOK_AHEAD, xs, ys, headings, t.speed[egos], t.length[egos], t.width[egos]),
+            Others(*(getattr(t, f)[others] for f in Others.__dataclass_fields__)),
+            locked,
+        )
+        distance[egos[:, None] == others[None, :]] = np.inf
+        result: dict[int, tuple[int, float]] = {}
+        for k, j in zip(*np.nonzero(np.isfinite(distance)), strict=True):
+            pair = int(serial[egos[k]]), int(serial[others[j]])
+            self._crossing_seen[pair] = seen.get(pair, -t.dt) + t.dt
+            if self._crossing_seen[pair] >= self._sensor.confirm - t.dt / 2:
+                ego, d = int(egos[k]), float(distance[k, j])
+                if ego not in result or d < result[ego][1]:
+                    result[ego] = int(others[j]), d
+        return result
+
+    def _reset(self, rows: Ints) -> None:
+        n = len(rows)
+        put(self._memory, rows, self._strategy.init(n))
+        put(self._brake, rows, brake_init(self._strategy.brake, n))
+        for array in (self._hold, self._lead, self._lead_seen, self._last_phase, self.decel):
+            array[rows] = 0
+
+    def _fit(self) -> None:
+        n = self._traffic.capacity
+        if n == self._capacity:
+            return
+        for name in ("equipped", "decel", "_hold", "_lead", "_lead_seen", "_last_phase"):
+            setattr(self, name, fitted(getattr(self, name), n))
+        grown_memory, grown_brake, grown_demand = (
+            self._strategy.init(n), brake_init(self._strategy.brake, n), Demand.nothing(n),
+        )  # fmt: skip
+        old = np.arange(self._capacity)
+        put(grown_memory, old, self._memory)
+        put(grown_brake, old, self._brake)
+        self._memory, self._brake, self.demand = grown_memory, grown_brake, grown_demand
+        self._capacity = n

@@ -1,0 +1,138 @@
+"""Interventions: what an AEB did, from its first warning or braking until it has been doing neither for a while."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from aeb_sumo.strategies.base import Phase
+
+__all__ = ["PAUSE", "Action", "Interventions"]
+
+PAUSE = 1.0
+"""Two actions of a vehicle with less than this between them are one intervention [s], our assumption."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Action:
+    """What one vehicle's AEB does in one step, and why.
+
+    Attributes:
+        phase: demanded.
+        decel: by the AEB's brake, >= 0 [m/s2].
+        speed: own [m/s].
+        target: id of the target, or empty; with its class, kind, gap [m], TTC and TTC2 [s], closing speed [m/s].
+        error: what the driver does wrong, or empty.
+        x, y: front bumper [m].
+    """
+
+    phase: int
+    decel: float
+    speed: float
+    target: str
+    target_vclass: str
+    target_kind: str
+    gap: float
+    ttc: float
+    ttc2: float
+    closing_speed: float
+    error: str
+    x: float
+    y: float
+
+
+@dataclass
+class _Open:
+    """An intervention that has not ended."""
+
+    row: dict[str, Any]
+    last: float
+    lowest: float
+    braking_from: float | None = None
+
+
+@dataclass
+class Interventions:
+    """Book of interventions; `rows` are those that have ended."""
+
+    rows: list[dict[str, Any]] = field(default_factory=list)
+    _open: dict[str, _Open] = field(default_factory=dict)
+
+    def act(self, time: float, vehicle: str, vclass: str, action: Action) -> None:
+        """A vehicle's AEB warns or brakes in the step that begins at `time` [s]."""
+        if vehicle in self._open and time - self._open[vehicle].last > PAUSE:
+            self.close(vehicle, "released")
+        entry = self._open.get(vehicle)
+        if entry is None:
+            entry = self._open[vehicle] = self._begin(time, vehicle, vclass, action)
+        row = entry.row
+        entry.last = time
+        entry.lowest = min(entry.lowest, action.speed)
+        row["phase"] = max(row["phase"], action.phase)
+        row["max_decel_mps2"] = max(row["max_decel_mps2"], action.decel)
+        row["min_gap_m"] = float(np.nanmin([row["min_gap_m"], action.gap])) if action.target else row["min_gap_m"]
+        if action.phase >= Phase.PARTIAL_BRAKE and entry.braking_from is None:
+            entry.braking_from = entry.lowest = action.speed
+            row |= {
+                "brake_s": time,
+                "trigger_gap_m": action.gap,
+                "trigger_ttc_s": action.ttc,
+                "trigger_ttc2_s": action.ttc2,
+                "target": action.target,
+                "target_vclass": action.target_vclass,
+                "target_kind": action.target_kind,
+            }
+        if action.phase == Phase.FULL_BRAKE and row["full_brake_s"] is None:
+            row["full_brake_s"] = time
+
+    def _begin(self, time: float, vehicle: str, vclass: str, action: Action) -> _Open:
+        row = {
+            "vehicle": vehicle,
+            "vclass": vclass,
+            "phase": action.phase,
+            "target": action.target,
+            "target_vclass": action.target_vclass,
+            "target_kind": action.target_kind,
+            "begin_s": time,
+            "brake_s": None,
+            "full_brake_s": None,
+            "warn_gap_m": action.gap,
+            "warn_ttc_s": action.ttc,
+            "warn_ttc2_s": action.ttc2,
+            "trigger_gap_m": None,
+            "trigger_ttc_s": None,
+            "trigger_ttc2_s": None,
+            "speed_mps": action.speed,
+            "closing_speed_mps": action.closing_speed,
+            "max_decel_mps2": 0.0,
+            "min_gap_m": action.gap,
+            "driver_error": action.error,
+            "x_m": action.x,
+            "y_m": action.y,
+        }
+        return _Open(row, time, action.speed)
+
+    def expire(self, time: float) -> None:
+        """End those that have been quiet for `PAUSE`."""
+        for vehicle in [v for v, entry in self._open.items() if time - entry.last > PAUSE]:
+            self.close(vehicle, "released")
+
+    def close(self, vehicle: str, why: str) -> None:
+        """End a vehicle's intervention, if it has one."""
+        entry = self._open.pop(vehicle, None)
+        if entry is None:
+            return
+        if why == "released" and entry.braking_from is not None and entry.lowest == 0:
+            why = "standstill"
+        row = entry.row
+        row["intervention_id"] = len(self.rows)
+        row["phase"] = Phase(row["phase"]).name.lower()
+        row["end_s"] = entry.last
+        row["ended_by"] = why
+        row["speed_reduction_mps"] = 0.0 if entry.braking_from is None else entry.braking_from - entry.lowest
+        self.rows.append(row)
+
+    def close_all(self) -> None:
+        """The run ends."""
+        for vehicle in list(self._open):
+            self.close(vehicle, "run_end")

@@ -1,0 +1,1 @@
+"""From the true world to what a vehicle knows of it; pure functions of arrays."""

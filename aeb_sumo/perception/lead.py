@@ -1,0 +1,39 @@
+"""The vehicle ahead on the own path."""
+
+import numpy as np
+
+from aeb_sumo.perception.sensor import Sensor, covered
+from aeb_sumo.soa import Bools, Floats
+
+__all__ = ["sees_lead"]
+
+
+def sees_lead(
+    sensor: Sensor,
+    *,
+    x: Floats,
+    y: Floats,
+    heading: Floats,
+    gap: Floats,
+    rear_x: Floats,
+    rear_y: Floats,
+    lead_heading: Floats,
+) -> Bools:
+    """Whether a lead that SUMO names is one that a sensor would see there.
+
+    In and before junctions SUMO names leads on other lanes, with a gap to the point where the paths meet. A real
+    sensor measures where the vehicle is, so a lead counts only when its rear is in view, it goes the same way (within
+    60 degrees) and the gap agrees with the straight distance to its rear, which a curve makes shorter (a chord of a
+    quarter circle: 0.9 of the arc).
+
+    Args:
+        sensor: what the ego sees with.
+        x, y, heading: (n,) front bumper of the ego [m], [rad].
+        gap: (n,) along the lanes, as SUMO gives it, bumper to bumper [m].
+        rear_x, rear_y, lead_heading: (n,) rear bumper of the lead [m], [rad].
+    """
+    seen, distance = covered(sensor, x=x, y=y, heading=heading, target_x=rear_x, target_y=rear_y)
+    touching = distance < 2.0  # bumper to bumper the bearing means nothing
+    same_way = np.cos(lead_heading - heading) > 0.5
+    agrees = (distance <= gap + 1.5) & (distance >= 0.85 * gap - 1.5)
+    return (seen | touching) & same_way & agrees

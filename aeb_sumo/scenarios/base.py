@@ -1,0 +1,41 @@
+"""What a scenario is."""
+
+from dataclasses import dataclass
+
+import sumo_nets
+from aeb_sumo.drivers.errors import Errors
+
+__all__ = ["Scenario", "on_network"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """What is simulated; the AEB is not part of it.
+
+    Attributes:
+        name: for the tables.
+        options: SUMO options: the inputs, and whatever else the scenario wants.
+        errors: what its drivers do wrong.
+        mu: friction coefficient of the road; 0.85 dry asphalt, from another source (Zhao et al. 2025, 3.1).
+        seed: of SUMO and of the drivers; None leaves SUMO's own default or what `options` say.
+        step_length: [s]; None leaves it to `options`.
+        duration: [s]; None runs until `end`, or until all vehicles have arrived.
+        end: simulated time at which the scenario ends of itself [s]; None for no such time.
+        output_prefix: what the scenario puts before the names of SUMO's own output files.
+    """
+
+    name: str
+    options: tuple[str, ...]
+    errors: Errors = Errors()
+    mu: float = 0.85
+    seed: int | None = 1
+    step_length: float | None = 0.1
+    duration: float | None = 600.0
+    end: float | None = None
+    output_prefix: str = ""
+
+
+def on_network(name: str) -> tuple[str, ...]:
+    """SUMO options for one of the networks of `sumo_nets` and the traffic that lies beside it."""
+    folder = sumo_nets.folder(name)
+    return ("--net-file", str(folder / f"{name}.net.xml"), "--route-files", str(folder / f"{name}.rou.xml"))

@@ -1,0 +1,39 @@
+"""A user's own SUMO scenario, run as it is."""
+
+from pathlib import Path
+
+from aeb_sumo.drivers.errors import Errors
+from aeb_sumo.scenarios.base import Scenario
+from aeb_sumo.world.sumocfg import read
+
+__all__ = ["from_sumocfg"]
+
+_STEP_LENGTH = 0.1  # s, where the configuration does not say
+
+
+def from_sumocfg(path: str | Path, errors: Errors | None = None) -> Scenario:
+    """The scenario of a .sumocfg: its files, its options, its time span, its seed.
+
+    What a configuration says stays as it is, but for the options in `aeb_sumo.world.session.IMPOSED`; where it is
+    silent on the step length, that is 0.1 s.
+
+    Args:
+        path: the configuration.
+        errors: what its drivers do wrong; None for nothing that SUMO's own drivers would not.
+
+    Raises:
+        InputError: the file is missing, is no configuration, or says something that is no number where one must be.
+    """
+    config = read(path)
+    begin, end = config.number("begin") or 0.0, config.number("end")
+    return Scenario(
+        name=str(path),
+        options=("--configuration-file", str(config.path)),
+        errors=errors or Errors(),
+        seed=None,
+        step_length=None if "step-length" in config.options else _STEP_LENGTH,
+        duration=None,
+        # SUMO reads a negative end, its default, as "no end".
+        end=end if end is not None and end > begin else None,
+        output_prefix=config.options.get("output-prefix", ""),
+    )

@@ -1,0 +1,1 @@
+"""The true world: the only place that imports libsumo."""

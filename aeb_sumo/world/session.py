@@ -1,0 +1,162 @@
+"""Starting, stepping and stopping SUMO."""
+
+import os
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from types import TracebackType
+from typing import ClassVar, Self
+
+import libsumo
+
+from aeb_sumo.errors import InputError
+
+__all__ = ["IMPOSED", "Session", "SumoError", "output_prefix"]
+
+IMPOSED: tuple[str, ...] = (
+    # Speeds commanded under Euler integration stop v dt / 2 short.
+    "--step-method.ballistic", "true",
+    # Crashes are found and counted here: SUMO shall report every contact, also in junctions, and do nothing else.
+    "--collision.action", "warn",
+    "--collision.check-junctions", "true",
+    "--collision.mingap-factor", "0",
+    # A run must be repeatable, and silent on the terminal.
+    "--random", "false",
+    "--no-step-log", "true",
+    "--duration-log.disable", "true",
+    # A GUI's settings are of no use here, and a missing file of them stops SUMO.
+    "--gui-settings-file", "",
+)  # fmt: skip
+"""SUMO options that every run sets, over those of a user's own configuration."""
+
+
+class SumoError(InputError):
+    """SUMO refused its input or gave up; the message carries SUMO's own reason."""
+
+
+def output_prefix(folder: str, own: str = "") -> str:
+    """Value of `--output-prefix` that sends every output file of SUMO into `folder` (absolute).
+
+    SUMO puts the prefix before the last part of each output's path, so enough `../` lead to the root from wherever the
+    configuration or an additional file would have written, and from there to `folder`.
+    """
+    return "../" * 60 + folder.strip("/") + "/" + own
+
+
+class Session:
+    """The one simulation that libsumo can run in a process; use it as a context manager.
+
+    Attributes:
+        dt: step length [s].
+        begin: simulated time at the start [s].
+    """
+
+    _running: ClassVar[bool] = False
+
+    def __init__(self, options: Sequence[str]) -> None:
+        """Start SUMO with `options` (without the program's name).
+
+        Raises:
+            SumoError: SUMO refuses them.
+            RuntimeError: this process runs a simulation already; libsumo would silently drop it.
+        """
+        if Session._running:
+            raise RuntimeError("libsumo runs one simulation per process, and one is running")
+        self._messages = tempfile.TemporaryFile(mode="w+b")  # noqa: SIM115 - closed with the session
+        try:
+            with self._silenced():
+                libsumo.start(["sumo", *options])
+        except libsumo.TraCIException as error:
+            reason = self._reason(error)
+            self._messages.close()
+            raise SumoError(reason) from None
+        Session._running = True
+        self.dt: float = libsumo.simulation.getDeltaT()
+        self.begin: float = libsumo.simulation.getTime()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the simulation; SUMO writes its outputs."""
+        if not Session._running:
+            return
+        Session._running = False
+        with self._silenced():
+            libsumo.close()
+        self._messages.close()
+
+    def step(self) -> None:
+        """Simulate one step.
+
+        Raises:
+            SumoError: SUMO gave up, for instance on a broken route.
+        """
+        try:
+            with self._silenced():
+                libsumo.simulationStep()
+        except libsumo.TraCIException as error:
+            raise SumoError(self._reason(error)) from None
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s], that of the last step's end."""
+        # Rounded to SUMO's own clock of milliseconds: 0.1 added up is not.
+        return round(float(libsumo.simulation.getTime()), 3)
+
+    @property
+    def seed(self) -> int:
+        """SUMO's random seed."""
+        return int(libsumo.simulation.getOption("seed"))
+
+    @property
+    def sublane(self) -> bool:
+        """Whether vehicles can be beside their lane's centre."""
+        return (
+            float(libsumo.simulation.getOption("lateral-resolution")) > 0
+            or float(libsumo.simulation.getOption("lanechange.duration")) > 0
+        )
+
+    @property
+    def exhausted(self) -> bool:
+        """No vehicle is or will be in the network."""
+        return bool(libsumo.simulation.getMinExpectedNumber() == 0)
+
+    @property
+    def version(self) -> str:
+        """SUMO's version."""
+        return str(libsumo.getVersion()[1])
+
+    @contextmanager
+    def _silenced(self) -> Iterator[None]:
+        """What SUMO prints goes into a file: it would tear the progress bar, and holds the reason of an error."""
+        sys.stdout.flush()
+        sys.stderr.flush()
+        target = self._messages.fileno()
+        saved = [os.dup(stream) for stream in (1, 2)]
+        try:
+            for stream in (1, 2):
+                os.dup2(target, stream)
+            yield
+        finally:
+            for stream, copy in zip((1, 2), saved, strict=True):
+                os.dup2(copy, stream)
+                os.close(copy)
+
+    def _reason(self, error: Exception) -> str:
+        """SUMO's own reason in one line; the exception alone often says no more than "Process Error"."""
+        self._messages.seek(0)
+        lines = self._messages.read().decode(errors="replace").splitlines()
+        errors = [line.removeprefix("Error: ").strip() for line in lines if line.startswith("Error")]
+        # After an "Error:" line, SUMO continues its reason in indented lines.
+        for index, line in enumerate(lines[:-1]):
+            if line.startswith("Error") and lines[index + 1].startswith(" "):
+                errors.append(lines[index + 1].strip())
+        text = "; ".join(dict.fromkeys(e for e in errors if e and not e.startswith("Quitting")))
+        return f"SUMO: {text or error}"

@@ -1,0 +1,183 @@
+"""Crashes of a run: found, told from artefacts of the network, recorded once each, and left to block the road."""
+
+from dataclasses import dataclass, field
+from itertools import product
+
+import libsumo
+import numpy as np
+
+from aeb_sumo.soa import Bools, Floats, fitted
+from aeb_sumo.world.contact import Impact, impact, touching
+from aeb_sumo.world.network import Network
+from aeb_sumo.world.observe import Traffic
+
+__all__ = ["Crash", "Wrecks"]
+
+_SLIDING = 6.0  # m/s2, deceleration of a wreck, our assumption
+_LEFT = frozenset("lL")
+
+
+@dataclass(frozen=True)
+class Crash:
+    """One crash: the first contact of a pair of vehicles.
+
+    Attributes:
+        impact: instant, point, speeds.
+        kind: `rear_end`, `left_turn_across_path` (one turns left in front of oncoming traffic), `crossing`, `head_on`
+            or `side`.
+        striker, struck: vehicle ids.
+        lane: of the struck vehicle.
+        secondary: one of them had crashed before.
+    """
+
+    impact: Impact
+    kind: str
+    striker: str
+    struck: str
+    lane: str
+    secondary: bool
+
+
+@dataclass
+class _Place:
+    """Where a vehicle's body is: its lanes, and the turn it makes in a junction, if any."""
+
+    lanes: list[str]
+    direction: str = ""
+    approach: float | None = None  # heading on the lane before the junction [rad]
+
+
+@dataclass
+class Wrecks:
+    """Book of crashes.
+
+    A contact counts when the bodies approach each other and their lanes have to do with each other: the same lane,
+    consecutive ones, or conflicting ones in a junction. SUMO's vehicles never leave their lanes, so boxes that touch
+    across unrelated lanes (opposite directions drawn too close, the tail of a bus in a curve) tell of the network's
+    drawing and not of a crash; they are counted in `dismissed`.
+
+    Attributes:
+        traffic, network: the world.
+        sublane: vehicles may be beside the centre of their lane, so that neighbouring lanes have to do with each other.
+        blockage: how long wrecks stand before they leave [s].
+        dismissed: pairs that touched without being a crash.
+        reported: pairs that SUMO's own collision check reported -> first time [s].
+        removed: wrecks that have been cleared away.
+        wrecked: per slot.
+        speed: per slot, of a wreck [m/s].
+    """
+
+    traffic: Traffic
+    network: Network
+    sublane: bool
+    blockage: float
+    dismissed: set[tuple[str, str]] = field(default_factory=set)
+    reported: dict[tuple[str, str], float] = field(default_factory=dict)
+    crashed: set[tuple[str, str]] = field(default_factory=set)
+    removed: set[str] = field(default_factory=set)
+    wrecked: Bools = field(default_factory=lambda: np.zeros(0, np.bool_))
+    speed: Floats = field(default_factory=lambda: np.zeros(0))
+    _until: dict[str, float] = field(default_factory=dict)
+
+    def step(self, time: float) -> list[Crash]:
+        """The crashes of the step that ended at `time` [s]."""
+        t = self.traffic
+        self.wrecked, self.speed = fitted(self.wrecked, t.capacity), fitted(self.speed, t.capacity)
+        for slot, vehicle in t.left:
+            self.wrecked[slot] = False
+            self._until.pop(vehicle, None)
+        for collision in libsumo.simulation.getCollisions():
+            self.reported.setdefault(_pair(collision.collider, collision.victim), time)
+        new = []
+        pairs, instants = touching(t)
+        for k in np.argsort(instants, kind="stable"):
+            crash = self._judge(impact(t, pairs[k], float(instants[k]), time))
+            if crash is not None:
+                new.append(crash)
+        self.speed = np.maximum(self.speed - _SLIDING * t.dt, 0.0)
+        return new
+
+    def _judge(self, hit: Impact) -> Crash | None:
+        t = self.traffic
+        striker, struck = t.ids[hit.striker], t.ids[hit.struck]
+        pair = _pair(striker, struck)
+        if pair in self.crashed or (self.wrecked[hit.striker] and self.wrecked[hit.struck]):
+            return None
+        if hit.approach <= 0:
+            return None
+        places = [self._place(v) for v in (striker, struck)]
+        if not self._related(places[0].lanes, places[1].lanes) or any(
+            libsumo.vehicle.isStoppedParking(v) for v in (striker, struck)
+        ):
+            self.dismissed.add(pair)
+            return None
+        secondary = bool(self.wrecked[hit.striker] or self.wrecked[hit.struck])
+        self.crashed.add(pair)
+        for slot, vehicle, after in ((hit.striker, striker, hit.striker_after), (hit.struck, struck, hit.struck_after)):
+            self.wrecked[slot] = True
+            self.speed[slot] = after
+            self._until[vehicle] = hit.time + self.blockage
+        return Crash(hit, self._kind(hit, places), striker, struck, places[1].lanes[0], secondary)
+
+    def _kind(self, hit: Impact, places: list[_Place]) -> str:
+        headings = [
+            p.approach if p.approach is not None else float(self.traffic.heading[s])
+            for p, s in zip(places, (hit.striker, hit.struck), strict=True)
+        ]
+        opposed = np.cos(headings[0] - headings[1]) < -0.5  # more than 120 degrees apart before the junction
+        if opposed and any(p.direction in _LEFT and p.direction for p in places):
+            return "left_turn_across_path"
+        if hit.angle < np.pi / 4:
+            return "rear_end" if hit.at_rear else "side"
+        return "head_on" if hit.angle > 3 * np.pi / 4 else "crossing"
+
+    def _place(self, vehicle: str) -> _Place:
+        """Lanes under the vehicle's body, that of its front first."""
+        get, net = libsumo.vehicle, self.network
+        lane = get.getLaneID(vehicle)
+        place = _Place([lane])
+        edges, at = get.getRoute(vehicle), get.getRouteIndex(vehicle)
+        behind = get.getLength(vehicle) - get.getLanePosition(vehicle)
+        inside = lane.startswith(":")
+        if not inside and behind <= 0:
+            return place
+        # The edge before the junction: SUMO keeps it as the current one until the vehicle has left the junction.
+        before = edges[at] if inside else edges[at - 1] if at > 0 else ""
+        for approach in net.lanes(before) if before else []:
+            for link in net.links(approach):
+                if lane in link.via or (not inside and link.to == lane):
+                    upto = link.via.index(lane) if inside else len(link.via)
+                    place.lanes += [v for v in link.via[:upto] if v not in place.lanes]
+                    if approach not in place.lanes:
+                        place.lanes.append(approach)
+                    place.direction = link.direction
+                    (x0, y0), (x1, y1) = net.shape(approach)[-2:]
+                    place.approach = float(np.arctan2(y1 - y0, x1 - x0))
+        return place
+
+    def _related(self, a: list[str], b: list[str]) -> bool:
+        net = self.network
+        if set(a) & set(b):
+            return True
+        for one, two in product(a, b):
+            if two in net.foes(one) or one in net.foes(two):
+                return True
+            if any(two == k.to or two in k.via for k in net.links(one)):
+                return True
+            if any(one == k.to or one in k.via for k in net.links(two)):
+                return True
+            if self.sublane and net.edge(one) == net.edge(two):
+                return True
+        return False
+
+    def clear(self, time: float) -> None:
+        """Take away the wrecks whose time has come; the last thing in a step."""
+        for vehicle in [v for v, until in self._until.items() if until <= time]:
+            del self._until[vehicle]
+            if vehicle in self.traffic.slot:
+                self.removed.add(vehicle)
+                libsumo.vehicle.remove(vehicle)
+
+
+def _pair(a: str, b: str) -> tuple[str, str]:
+    return (a, b) if a <= b else (b, a)
