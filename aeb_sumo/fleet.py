@@ -5,19 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from aeb_sumo.criticality import ttc, ttc2
-from aeb_sumo.perception.crossing import Ahead, Others, conflicts
+from aeb_sumo.perception.crossing import Approach, conflicting
 from aeb_sumo.perception.lead import sees_lead
-from aeb_sumo.perception.sensor import Sensor
+from aeb_sumo.perception.sensor import Sensor, covered
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.paths import Turn
+from aeb_sumo.world.paths import Paths, Turn
 from aeb_sumo.world.surroundings import leaders
 
 __all__ = ["Fleet", "Target", "Targets"]
 
-_LOOK_AHEAD = np.arange(0.0, 40.0, 0.5)  # m along the own path, for those who cross it, our assumption
 _RELEASED = 0.05  # m/s2, a brake below this is off
 _HOLDING = 3.0  # m/s2, of a brake that holds a standing car: any value holds it
 
@@ -55,8 +54,9 @@ class Fleet:
         decel: per slot, mean deceleration by the AEB's brake in the coming step [m/s2].
     """
 
-    def __init__(self, traffic: Traffic, strategy: Strategy, sensor: Sensor, mu: float) -> None:
+    def __init__(self, traffic: Traffic, paths: Paths, strategy: Strategy, sensor: Sensor, mu: float) -> None:
         self._traffic = traffic
+        self._paths = paths
         self._strategy = strategy
         self._sensor = sensor
         self._mu = mu
@@ -70,7 +70,7 @@ class Fleet:
         self._hold: Floats = np.zeros(0)
         self._lead: Floats = np.zeros(0)  # serial number of the last lead seen
         self._lead_seen: Floats = np.zeros(0)  # for how long [s]
-        self._crossing_seen: dict[tuple[int, int], float] = {}  # serials of ego and other -> for how long [s]
+        self._crossing_seen: dict[tuple[float, float], float] = {}  # serials of ego and other -> for how long [s]
         self._targets: Targets | None = None
         self._rows: Ints = np.zeros(0, np.int64)
 
@@ -219,39 +219,65 @@ class Fleet:
         return np.where(confirmed, lead, -1), np.where(confirmed, gap, np.inf)
 
     def _crossings(self, turns: list[Turn]) -> dict[int, tuple[int, float]]:
-        """Confirmed crossing targets: ego slot -> (other slot, distance along the own path [m])."""
+        """Confirmed crossing targets: ego slot -> (other slot, distance along the own path to the crossing [m])."""
         t = self._traffic
-        turns = [turn for turn in turns if self.equipped[turn.slot] and t.speed[turn.slot] > 0]
-        seen, self._crossing_seen = self._crossing_seen, {}
-        if not turns:
+        before, self._crossing_seen = self._crossing_seen, {}
+        by_junction: dict[str, list[Turn]] = {}
+        for turn in turns:
+            by_junction.setdefault(turn.path.junction, []).append(turn)
+        pairs, zones = [], []
+        speed, equipped = t.speed.tolist(), self.equipped.tolist()
+        for group in by_junction.values():
+            for own in group:
+                if not equipped[own.slot] or speed[own.slot] <= 0:
+                    continue
+                for other in group:
+                    zone = self._paths.zone(own, other)
+                    if zone is not None and own.at < zone.own_to and other.slot != own.slot:
+                        pairs.append((own.slot, other.slot))
+                        zones.append(
+                            (
+                                zone.own_from - own.at,
+                                zone.own_to - own.at,
+                                zone.other_from - other.at,
+                                zone.other_to - other.at,
+                            )
+                        )
+        if not pairs:
             return {}
-        egos = np.array([turn.slot for turn in turns])
-        others = t.present
-        at = np.array([turn.at for turn in turns])[:, None] + _LOOK_AHEAD[None, :]
-        xs, ys, headings = (np.empty(at.shape) for _ in range(3))
-        for k, turn in enumerate(turns):
-            index = np.minimum((at[k] / 0.5).astype(np.int64), len(turn.path.heading) - 1)
-            xs[k], ys[k], headings[k] = *turn.path.points[index].T, turn.path.heading[index]
-        braking = self._last_phase[egos] >= Phase.PARTIAL_BRAKE
-        locked = np.zeros((len(egos), len(others)), np.bool_)
-        serial = t.serial.astype(np.int64)
-        for k in np.flatnonzero(braking):
-            locked[k] = [(serial[egos[k]], s) in seen for s in serial[others]]
-        distance = conflicts(
+        ego, foe = np.array(pairs).T
+        to_zone, through, foe_to_zone, foe_through = np.array(zones).T
+        serials = list(zip(t.serial[ego].tolist(), t.serial[foe].tolist(), strict=True))
+        braking = self._last_phase[ego] >= Phase.PARTIAL_BRAKE
+        centre = t.length[foe] / 2
+        seen, _ = covered(
             self._sensor,
-            Ahead(_LOOK_AHEAD, xs, ys, headings, t.speed[egos], t.length[egos], t.width[egos]),
-            Others(*(getattr(t, f)[others] for f in Others.__dataclass_fields__)),
-            locked,
+            x=t.x[ego],
+            y=t.y[ego],
+            heading=t.heading[ego],
+            target_x=t.x[foe] - np.cos(t.heading[foe]) * centre,
+            target_y=t.y[foe] - np.sin(t.heading[foe]) * centre,
         )
-        distance[egos[:, None] == others[None, :]] = np.inf
+        conflict = seen & conflicting(
+            Approach(
+                to_zone=to_zone,
+                through_zone=through,
+                speed=t.speed[ego],
+                length=t.length[ego],
+                other_to_zone=foe_to_zone,
+                other_through_zone=foe_through,
+                other_speed=t.speed[foe],
+                other_accel=t.accel[foe],
+                other_length=t.length[foe],
+                locked=braking & np.array([s in before for s in serials]),
+            )
+        )
         result: dict[int, tuple[int, float]] = {}
-        for k, j in zip(*np.nonzero(np.isfinite(distance)), strict=True):
-            pair = int(serial[egos[k]]), int(serial[others[j]])
-            self._crossing_seen[pair] = seen.get(pair, -t.dt) + t.dt
-            if self._crossing_seen[pair] >= self._sensor.confirm - t.dt / 2:
-                ego, d = int(egos[k]), float(distance[k, j])
-                if ego not in result or d < result[ego][1]:
-                    result[ego] = int(others[j]), d
+        for k in np.flatnonzero(conflict).tolist():
+            since = self._crossing_seen[serials[k]] = before.get(serials[k], -t.dt) + t.dt
+            slot, gap = int(ego[k]), max(float(to_zone[k]), 0.0)
+            if since >= self._sensor.confirm - t.dt / 2 and (slot not in result or gap < result[slot][1]):
+                result[slot] = int(foe[k]), gap
         return result
 
     def _reset(self, rows: Ints) -> None:

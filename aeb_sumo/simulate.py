@@ -26,14 +26,11 @@ from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
-from aeb_sumo.world.surroundings import must_change_lane
+from aeb_sumo.world.surroundings import demanding
 from aeb_sumo.world.wrecks import Crash, Wrecks
 from aeb_sumo.world.yielding import Yielding
 
 __all__ = ["Progress", "run"]
-
-_MERGING = 500.0  # m before the end of his lane a driver keeps his eyes on the road, our assumption
-
 
 @dataclass(frozen=True)
 class Progress:
@@ -131,7 +128,8 @@ class _Run:
         self._paths = Paths(self._traffic, network)
         self._lapses = Lapses(scenario.errors, self._seed)
         self._yielding = Yielding(self._traffic, scenario.errors.failure_to_yield, self._seed)
-        self._fleet = Fleet(self._traffic, strategy, sensor, scenario.mu)
+        self._needs_paths = strategy.name != "none" or scenario.errors.failure_to_yield is not None
+        self._fleet = Fleet(self._traffic, self._paths, strategy, sensor, scenario.mu)
         self._interventions = Interventions()
         self._book = TrafficBook(self._traffic, session.begin, interval)
         self._crashes: list[dict[str, Any]] = []
@@ -177,8 +175,7 @@ class _Run:
             self._book_crash(crash)
         wrecked = self._wrecks.wrecked
 
-        cars = t.present[[t.vclass[s] in VClasses.CARS for s in t.present.tolist()]]
-        turns = self._paths.near_junctions(cars)
+        turns = self._paths.near_junctions(t.present) if self._needs_paths else []
         erring, erring_accel = self._drivers(time)
         self._yielding.step(turns)
         self._fleet.step(turns, wrecked)
@@ -220,7 +217,7 @@ class _Run:
     def _drivers(self, time: float) -> tuple[Bools, Floats]:
         """Per slot: the driver errs, and with what acceleration [m/s2].
 
-        A driver who has to change lanes soon does not look away: that glance is excused, from its start to its end.
+        A glance that would begin in a demanding moment is left out, from its start to its end; its draw is not.
         """
         t = self._traffic
         self._lapses.advance(time)
@@ -228,7 +225,7 @@ class _Run:
         was, self._away = fitted(self._away, t.capacity), away.copy()
         self._excused = fitted(self._excused, t.capacity) & away
         for slot in np.flatnonzero(away & ~was & t.here):
-            self._excused[slot] = must_change_lane(t.ids[slot], _MERGING)
+            self._excused[slot] = demanding(t, int(slot))
         return erring & ~self._excused, accel
 
     def _error(self, slot: int, other: int | None = None) -> str:

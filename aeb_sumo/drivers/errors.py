@@ -94,21 +94,26 @@ class Robots:
 
 @dataclass(frozen=True, kw_only=True)
 class FailureToYield:
-    """Turning left without seeing an oncoming two-wheeler: one draw per driver and two-wheeler.
+    """Turning left without a look for oncoming two-wheelers: one draw per driver and turn.
 
     Attributes:
-        probability: that the driver does not see it, our assumption: far more often than in life.
-        rider_unaware: that the rider, who has the right of way, does not see the car either, our assumption.
+        probability: that a driver does not look, our assumption: far more often than in life, so that a short run has
+            conflicts.
+        rider_unaware: that a rider whom such a driver overlooks relies on the right of way and does not react, one draw
+            per driver and rider, our assumption.
     """
 
     name: ClassVar[str] = "failure_to_yield"
-    probability: float = 0.2
+    probability: float = 0.3
     rider_unaware: float = 0.5
 
-    def draw(self, seed: int, driver: str, rider: str) -> tuple[bool, bool]:
-        """Whether this driver overlooks this rider, and whether the rider then overlooks the car."""
-        numbers = stream(seed, self.name, driver, rider).random(2)
-        return bool(numbers[0] < self.probability), bool(numbers[1] < self.rider_unaware)
+    def driver_fails(self, seed: int, driver: str, junction: str) -> bool:
+        """Whether this driver does not look at this junction."""
+        return bool(stream(seed, self.name, driver, junction).random() < self.probability)
+
+    def rider_fails(self, seed: int, driver: str, rider: str) -> bool:
+        """Whether this rider does not react to this driver."""
+        return bool(stream(seed, self.name, driver, "rider", rider).random() < self.rider_unaware)
 
 
 @dataclass(frozen=True, kw_only=True)

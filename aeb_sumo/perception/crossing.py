@@ -1,107 +1,94 @@
-"""Road users that cross the own path: seen by geometry."""
+"""Road users whose path crosses the own one: seen by geometry, judged by the time each is where the paths cross."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from aeb_sumo.perception.sensor import Sensor, covered
 from aeb_sumo.soa import Bools, Floats
 
-__all__ = ["Ahead", "Others", "conflicts"]
+__all__ = ["Approach", "Zone", "conflicting", "crossing_zone"]
 
-_MARGIN = 0.3  # s, between two vehicles passing the same place, our assumption
+MARGIN = 0.3
+"""Time to spare between two vehicles passing the same place [s], our assumption."""
+
 _STANDS = 0.3  # m/s, slower than this counts as standing, our assumption
-_SAME_WAY = np.cos(np.radians(30))  # within 30 degrees it is a lead, not one that crosses
+_SAME_WAY = np.cos(np.radians(30))  # within 30 degrees the other is a lead, a matter for following
 
 
 @dataclass(frozen=True)
-class Ahead:
-    """The own path ahead, one row per ego: (n, k) points, k samples from the front bumper on.
+class Zone:
+    """Where two paths cross: from and to along the own path and along the other's [m]."""
 
-    Attributes:
-        distance: (k,) along the path from the front bumper [m].
-        x, y, heading: (n, k) [m], [rad].
-        speed, length, width: (n,) of the ego.
-    """
-
-    distance: Floats
-    x: Floats
-    y: Floats
-    heading: Floats
-    speed: Floats
-    length: Floats
-    width: Floats
+    own_from: float
+    own_to: float
+    other_from: float
+    other_to: float
 
 
-@dataclass(frozen=True)
-class Others:
-    """The others, (m,) each: front bumper [m], heading [rad], speed, acceleration, length, width."""
-
-    x: Floats
-    y: Floats
-    heading: Floats
-    speed: Floats
-    accel: Floats
-    length: Floats
-    width: Floats
-
-
-def conflicts(sensor: Sensor, ahead: Ahead, others: Others, locked: Bools) -> Floats:
-    """Distance along the own path to where another crosses it at a conflicting time.
-
-    The other goes on straight at its speed; one that brakes goes no farther than it takes to stop. Where the strip it
-    sweeps cuts the ego's path, both are there at the same time if the ego, at its speed, arrives before the other's
-    tail has left and leaves after the other's front has come, each with 0.3 s to spare (our assumption). For a locked
-    pair, one that the ego brakes for, the other counts until its tail has left: braking must not argue itself away.
+def crossing_zone(
+    points: Floats, heading: Floats, other_points: Floats, other_heading: Floats, *, width: float, spacing: float
+) -> Zone | None:
+    """Where two paths come closer than the vehicles are wide while they differ by more than 30 degrees.
 
     Args:
-        sensor: what the egos see with, from the front bumper.
-        ahead: n egos.
-        others: m road users.
-        locked: (n, m) pairs for which the ego brakes already.
+        points, heading: (n, 2) [m] and (n,) [rad] of the own path.
+        other_points, other_heading: (m, 2) and (m,) of the other's.
+        width: half the own plus half the other's width [m].
+        spacing: distance between the points of either path [m].
 
     Returns:
-        (n, m) distance from the front bumper to the place [m], `inf` where there is no conflict.
+        The first such zone along the own path; None if there is none.
     """
-    cos, sin = np.cos(others.heading), np.sin(others.heading)
-    seen, _ = covered(
-        sensor,
-        x=ahead.x[:, :1],
-        y=ahead.y[:, :1],
-        heading=ahead.heading[:, :1],
-        target_x=(others.x - cos * others.length / 2)[None, :],
-        target_y=(others.y - sin * others.length / 2)[None, :],
-    )
-    result = np.full(seen.shape, np.inf)
-    i, j = np.nonzero(seen)
-    if not len(i):
-        return result
-    # One row per pair, one column per sample of the path; along and across are seen from the other.
-    dx, dy = ahead.x[i] - others.x[j, None], ahead.y[i] - others.y[j, None]
-    cj, sj = cos[j, None], sin[j, None]
-    along, across = dx * cj + dy * sj, np.abs(dy * cj - dx * sj)
-    turn = ahead.heading[i] - others.heading[j, None]
-    half = ahead.width[i, None] / 2
-    cut = across <= others.width[j, None] / 2 + half * np.abs(np.cos(turn))
-    cut &= np.cos(turn) < _SAME_WAY
+    apart = np.hypot(*(points[:, None, :] - other_points[None, :, :]).transpose(2, 0, 1))
+    close = (apart < width) & (np.cos(heading[:, None] - other_heading[None, :]) < _SAME_WAY)
+    own, other = np.flatnonzero(close.any(1)), np.flatnonzero(close.any(0))
+    if not len(own):
+        return None
+    return Zone(*(float(spacing * i) for i in (own[0], own[-1], other[0], other[-1])))
 
-    speed, length = others.speed[j, None], others.length[j, None]
-    front, tail = along - half * np.abs(np.sin(turn)), along + half * np.abs(np.sin(turn)) + length
-    stopping = np.where(
-        others.accel[j] < -0.5, others.speed[j] ** 2 / (2 * np.maximum(-others.accel[j], 0.5)), np.inf
-    )
-    reachable = front <= stopping[:, None]
-    stands = speed < _STANDS
-    pace = np.maximum(speed, _STANDS)
-    comes = np.where(stands, np.where(front <= 0, 0.0, np.inf), np.maximum(front, 0.0) / pace)
-    goes = np.where(stands & (tail > 0), np.inf, tail / pace)
 
-    own = np.maximum(ahead.speed[i, None], 0.1)
-    arrives = ahead.distance / own
-    leaves = (ahead.distance + ahead.length[i, None]) / own
-    held = locked[i, j, None]
-    meet = (comes <= leaves + _MARGIN) & ((goes >= arrives - _MARGIN) | held) & (tail > 0)
-    hit = cut & reachable & meet
-    where = hit.argmax(-1)
-    result[i, j] = np.where(hit.any(-1), ahead.distance[where], np.inf)
+@dataclass(frozen=True)
+class Approach:
+    """Pairs of an ego and another on crossing paths, (n,) each; distances are from the front bumpers [m].
+
+    Attributes:
+        to_zone, through_zone: along the own path to where the zone begins (negative inside) and to where it ends.
+        speed, length: of the ego [m/s], [m].
+        other_to_zone, other_through_zone: the same for the other.
+        other_speed, other_accel, other_length: [m/s], [m/s2], [m].
+        locked: the ego brakes for this one already.
+    """
+
+    to_zone: Floats
+    through_zone: Floats
+    speed: Floats
+    length: Floats
+    other_to_zone: Floats
+    other_through_zone: Floats
+    other_speed: Floats
+    other_accel: Floats
+    other_length: Floats
+    locked: Bools
+
+
+def conflicting(a: Approach) -> Bools:
+    """Whether both would be in the zone at the same time.
+
+    Both keep their speeds, except that another who brakes goes no farther than it takes to stop. They conflict if the
+    ego arrives before the other's tail has left and leaves after the other's front has come, with `MARGIN` to spare.
+    For a locked pair the other counts until its tail has left: braking must not argue itself away. Once the ego's front
+    is past the middle of the zone, braking no longer helps and there is no conflict.
+    """
+    stopping = np.where(a.other_accel < -0.5, a.other_speed**2 / (2 * np.maximum(-a.other_accel, 0.5)), np.inf)
+    stands = a.other_speed < _STANDS
+    pace = np.maximum(a.other_speed, _STANDS)
+    inside = (a.other_to_zone <= 0) & (a.other_through_zone + a.other_length > 0)
+    comes = np.where(a.other_to_zone <= 0, 0.0, np.where(stands, np.inf, a.other_to_zone / pace))
+    goes = np.where(stands & inside, np.inf, (a.other_through_zone + a.other_length) / pace)
+
+    own = np.maximum(a.speed, 0.1)
+    arrives, leaves = np.maximum(a.to_zone, 0.0) / own, (a.through_zone + a.length) / own
+    meet = (comes <= leaves + MARGIN) & ((goes >= arrives - MARGIN) | a.locked) & (goes > 0)
+    ahead = a.to_zone + a.through_zone > 0
+    result: Bools = meet & ahead & (a.other_to_zone <= stopping)
     return result

@@ -36,6 +36,10 @@ class Network:
         self.length = cache(libsumo.lane.getLength)
         self.edge = cache(libsumo.lane.getEdgeID)
 
+    def junction(self, lane: str) -> str:
+        """The junction at the end of a lane that is not inside one."""
+        return str(libsumo.edge.getToJunction(self.edge(lane)))
+
     def lanes(self, edge: str) -> list[str]:
         """Lanes of an edge, from the right."""
         return [f"{edge}_{k}" for k in range(libsumo.edge.getLaneNumber(edge))]

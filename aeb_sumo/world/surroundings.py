@@ -6,7 +6,7 @@ import numpy as np
 from aeb_sumo.soa import Floats, Ints
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["allowed_speeds", "leaders", "must_change_lane", "overlook", "pending"]
+__all__ = ["allowed_speeds", "demanding", "leaders", "overlook", "pending"]
 
 _IGNORE_IDS = "junctionModel.ignoreIDs"
 
@@ -28,15 +28,26 @@ def leaders(t: Traffic, slots: Ints, reach: float) -> tuple[Ints, Floats]:
     return lead, gap
 
 
-def must_change_lane(vehicle: str, within: float) -> bool:
-    """Whether the vehicle's lane leads it on its route for less than `within` [m]: its driver has to look for a gap."""
-    lane, position = libsumo.vehicle.getLaneID(vehicle), libsumo.vehicle.getLanePosition(vehicle)
+def demanding(t: Traffic, slot: int) -> bool:
+    """Whether the driver has reason to keep his eyes on the road just now.
+
+    He has when he brakes (more than 0.5 m/s2), closes in on the vehicle ahead (TTC below 6 s), follows it at less than
+    0.7 s, or has to find a gap because his lane leads him on his route for less than 500 m. All our assumptions: drivers
+    choose calm moments to look away.
+    """
+    vehicle = t.ids[slot]
+    if t.accel[slot] < -0.5:
+        return True
+    lead, gap = (q[0] for q in leaders(t, np.array([slot]), 150.0))
+    if lead >= 0:
+        closing = t.speed[slot] - t.speed[lead]
+        if gap < closing * 6.0 or gap < t.speed[slot] * 0.7:
+            return True
+    lane = libsumo.vehicle.getLaneID(vehicle)
     if lane.startswith(":"):
         return False
-    for best in libsumo.vehicle.getBestLanes(vehicle):
-        if best[0] == lane:
-            return bool(best[3] != 0 and best[1] - position < within)
-    return False
+    left = {best[0]: best[1] for best in libsumo.vehicle.getBestLanes(vehicle) if best[3] != 0}
+    return lane in left and bool(left[lane] - libsumo.vehicle.getLanePosition(vehicle) < 500.0)
 
 
 def overlook(vehicle: str, others: set[str]) -> None:

@@ -90,7 +90,9 @@ class Wrecks:
             self.reported.setdefault(_pair(collision.collider, collision.victim), time)
         new = []
         pairs, instants = touching(t)
-        for k in np.argsort(instants, kind="stable"):
+        # Wrecks go on touching for as long as they stand.
+        news = np.flatnonzero(~self.wrecked[pairs].all(1))
+        for k in news[np.argsort(instants[news], kind="stable")]:
             crash = self._judge(impact(t, pairs[k], float(instants[k]), time))
             if crash is not None:
                 new.append(crash)

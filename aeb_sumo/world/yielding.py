@@ -1,5 +1,7 @@
 """Failure to yield, as it comes about in the world."""
 
+import numpy as np
+
 from aeb_sumo.drivers.errors import FailureToYield
 from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.paths import Turn
@@ -12,9 +14,7 @@ _LEFT = frozenset("lL")
 
 
 class Yielding:
-    """Left-turning drivers who overlook an oncoming two-wheeler, and riders who overlook the car.
-
-    Each pair of a driver and a rider is one encounter with one draw, whenever and however often they come near.
+    """Left-turning drivers who overlook oncoming two-wheelers, and riders who overlook the car.
 
     Attributes:
         overlooked: (driver, rider) pairs in which the driver does not see the rider.
@@ -24,34 +24,35 @@ class Yielding:
         self._traffic = traffic
         self._error = error
         self._seed = seed
-        self._met: set[tuple[str, str]] = set()
+        self._fails: dict[tuple[str, str], bool] = {}  # (driver, junction)
         self._blind: dict[str, set[str]] = {}
         self.overlooked: set[tuple[str, str]] = set()
 
     def step(self, turns: list[Turn]) -> None:
-        """Draw for every new encounter."""
+        """Let new encounters of drivers who fail with oncoming riders begin."""
         if self._error is None:
             return
         t = self._traffic
         for _, vehicle in t.left:
             self._blind.pop(vehicle, None)
-        riders = [s for s in t.present.tolist() if t.vclass[s] in VClasses.RIDERS]
+        riders = t.present[[t.vclass[s] in VClasses.RIDERS for s in t.present.tolist()]]
         for turn in turns:
-            if turn.path.direction not in _LEFT:
+            if turn.path.direction not in _LEFT or t.vclass[turn.slot] not in VClasses.DRIVEN:
                 continue
             driver = t.ids[turn.slot]
-            for slot in riders:
+            key = driver, turn.path.junction
+            if key not in self._fails:
+                self._fails[key] = self._error.driver_fails(self._seed, *key)
+            if not self._fails[key]:
+                continue
+            near = np.hypot(t.x[riders] - t.x[turn.slot], t.y[riders] - t.y[turn.slot]) < _NEAR
+            oncoming = np.cos(t.heading[riders] - turn.path.heading[0]) < -0.5
+            for slot in riders[near & oncoming].tolist():
                 rider = t.ids[slot]
-                if (driver, rider) in self._met:
-                    continue
-                if (t.x[slot] - t.x[turn.slot]) ** 2 + (t.y[slot] - t.y[turn.slot]) ** 2 > _NEAR**2:
-                    continue
-                self._met.add((driver, rider))
-                fails, unaware = self._error.draw(self._seed, driver, rider)
-                if fails:
+                if (driver, rider) not in self.overlooked:
                     self.overlooked.add((driver, rider))
                     self._hide(driver, rider)
-                    if unaware:
+                    if self._error.rider_fails(self._seed, driver, rider):
                         self._hide(rider, driver)
 
     def _hide(self, who: str, whom: str) -> None:
