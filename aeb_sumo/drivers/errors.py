@@ -99,13 +99,16 @@ class FailureToYield:
     Attributes:
         probability: that a driver does not look, our assumption: far more often than in life, so that a short run has
             conflicts.
-        rider_unaware: that a rider whom such a driver overlooks relies on the right of way and does not react, one draw
-            per driver and rider, our assumption.
+        rider_unaware: that a rider whom such a driver overlooks relies on the right of way and does not react to the
+            moving car, one draw per driver and rider, our assumption.
+        rider_reaction: such a rider does react to a car that has been standing for this long [s]; 0.92, the mean
+            reaction to a crossing conflict, from another source (de Gelder, V in evidence.md).
     """
 
     name: ClassVar[str] = "failure_to_yield"
-    probability: float = 0.3
+    probability: float = 0.5
     rider_unaware: float = 0.5
+    rider_reaction: float = 0.92
 
     def driver_fails(self, seed: int, driver: str, junction: str) -> bool:
         """Whether this driver does not look at this junction."""

@@ -92,8 +92,11 @@ def _boxes_at(t: Traffic, slots: Ints, when: Floats | float) -> Boxes:
 def jumped(t: Traffic, slots: Ints) -> Bools:
     """Vehicles whose move in the last step was no motion: inserted, teleported or put on another lane at once."""
     dx, dy = t.x[slots] - t.old_x[slots], t.y[slots] - t.old_y[slots]
-    sideways = np.abs(dy * np.cos(t.old_heading[slots]) - dx * np.sin(t.old_heading[slots]))
-    result: Bools = t.fresh[slots] | (sideways > 0.6 + 0.3 * t.old_speed[slots] * t.dt)
+    cos, sin = np.cos(t.old_heading[slots]), np.sin(t.old_heading[slots])
+    driven = (t.old_speed[slots] + t.speed[slots]) / 2 * t.dt
+    # In a curve the chord is shorter than the way driven, and turned against the old heading.
+    ahead, sideways = dx * cos + dy * sin - driven, np.abs(dy * cos - dx * sin)
+    result: Bools = t.fresh[slots] | (np.abs(ahead) > 1.0 + 0.5 * driven) | (sideways > 0.6 + 0.3 * driven)
     return result
 
 

@@ -110,6 +110,8 @@ class Traffic:
         listed = libsumo.vehicle.getIDList()
         if listed != self._listed:
             self._update_slots(listed)
+        if libsumo.simulation.getStartingTeleportNumber() or libsumo.simulation.getEndingTeleportNumber():
+            self._mark_teleports()
         rows = self.present
         for name in _MOTION:
             getattr(self, "old_" + name)[rows] = getattr(self, name)[rows]
@@ -129,7 +131,6 @@ class Traffic:
         gone = [v for v in self._listed if v not in now]
         if gone or self._away:
             teleporting = set(libsumo.vehicle.getTeleportingIDList())
-            self.teleports += sum(v in teleporting for v in gone)
             for vehicle in [*gone, *sorted(self._away)]:
                 self.here[self.slot[vehicle]] = False
                 if vehicle not in teleporting and vehicle not in now:
@@ -141,6 +142,14 @@ class Traffic:
                 self.here[slot] = self.fresh[slot] = True
         self._listed = listed
         self.present = np.array([self.slot[v] for v in listed], np.int64)
+
+    def _mark_teleports(self) -> None:
+        """A teleport can begin and end in the same step: the vehicle never leaves SUMO's list, but it has jumped."""
+        started = libsumo.simulation.getStartingTeleportIDList()
+        self.teleports += len(started)
+        for vehicle in (*started, *libsumo.simulation.getEndingTeleportIDList()):
+            if vehicle in self.slot:
+                self.fresh[self.slot[vehicle]] = True
 
     def _admit(self, vehicle: str) -> int:
         if self._free:

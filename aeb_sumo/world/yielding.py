@@ -10,6 +10,7 @@ from aeb_sumo.world.surroundings import overlook
 __all__ = ["Yielding"]
 
 _NEAR = 80.0  # m, an encounter begins when car and two-wheeler are this near, our assumption
+_STANDS = 0.5  # m/s, slower than this is standing to the eye, our assumption
 _LEFT = frozenset("lL")
 
 
@@ -27,6 +28,7 @@ class Yielding:
         self._fails: dict[tuple[str, str], bool] = {}  # (driver, junction)
         self._blind: dict[str, set[str]] = {}
         self.overlooked: set[tuple[str, str]] = set()
+        self._unaware: dict[tuple[str, str], float] = {}  # (rider, driver) -> how long the car has been standing [s]
 
     def step(self, turns: list[Turn]) -> None:
         """Let new encounters of drivers who fail with oncoming riders begin."""
@@ -54,6 +56,23 @@ class Yielding:
                     self._hide(driver, rider)
                     if self._error.rider_fails(self._seed, driver, rider):
                         self._hide(rider, driver)
+                        self._unaware[rider, driver] = 0.0
+        self._notice(self._error.rider_reaction)
+
+    def _notice(self, reaction: float) -> None:
+        """Riders see at last a car that stands in their way."""
+        t = self._traffic
+        for (rider, driver), standing in list(self._unaware.items()):
+            if rider not in t.slot or driver not in t.slot:
+                del self._unaware[rider, driver]
+            elif t.speed[t.slot[driver]] > _STANDS:
+                self._unaware[rider, driver] = 0.0
+            elif standing + t.dt < reaction:
+                self._unaware[rider, driver] = standing + t.dt
+            else:
+                del self._unaware[rider, driver]
+                self._blind[rider].discard(driver)
+                overlook(rider, self._blind[rider])
 
     def _hide(self, who: str, whom: str) -> None:
         self._blind.setdefault(who, set()).add(whom)
