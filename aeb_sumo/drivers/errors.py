@@ -15,7 +15,7 @@ from scipy.stats import norm
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.soa import Bools, Floats, fitted
 
-__all__ = ["Errors", "FailureToYield", "Glances", "HardBraking", "Lapse", "Lapses", "Robots"]
+__all__ = ["PROFILES", "Errors", "FailureToYield", "Glances", "HardBraking", "Lapse", "Lapses", "Robots"]
 
 
 @dataclass(frozen=True)
@@ -132,6 +132,13 @@ class Errors:
         """The errors by name, for the tables: `glance+hard_braking`, or `attentive` for none."""
         made = (self.glances, self.hard_braking, self.failure_to_yield, self.robots)
         return "+".join(error.name for error in made if error is not None) or "attentive"
+
+
+PROFILES: dict[str, Errors] = {
+    "attentive": Errors(),
+    "distracted": Errors(glances=Glances(), hard_braking=HardBraking(), failure_to_yield=FailureToYield()),
+}
+"""Errors by name, for scenarios that bring none of their own."""
 
 
 @dataclass(order=True)

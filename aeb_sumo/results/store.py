@@ -35,6 +35,12 @@ class Results:
             {name: pa.Table.from_pylist(list(rows.get(name, ())), schema=t.arrow()) for name, t in TABLES.items()}
         )
 
+    @classmethod
+    def joined(cls, results: Iterable["Results"]) -> "Results":
+        """The runs of several results together."""
+        parts = list(results)
+        return cls({name: pa.concat_tables([r.tables[name] for r in parts]) for name in TABLES})
+
     def frame(self, table: str) -> pd.DataFrame:
         """A table as a DataFrame."""
         frame: pd.DataFrame = self.tables[table].to_pandas()
@@ -91,5 +97,5 @@ def read(folder: str | Path) -> Results:
             if not part.schema.equals(schema):
                 raise InputError(f"{path} has another schema than table {name!r} of this version")
             parts.append(part)
-        tables[name] = pa.concat_tables(parts) if parts else schema.empty_table()
+        tables[name] = pa.concat_tables([schema.empty_table(), *parts])
     return Results(tables)

@@ -100,6 +100,21 @@ def jumped(t: Traffic, slots: Ints) -> Bools:
     return result
 
 
+def _may_have_touched(t: Traffic, a: Ints, b: Ints) -> Bools:
+    """Pairs that touch at the end of the step, or whose relative motion along the axis that parts them then was longer
+    than the gap that is left."""
+    one, two = _boxes_at(t, a, 1.0), _boxes_at(t, b, 1.0)
+    gaps = _axes_gaps(one, two)
+    axis = gaps.argmax(-1)
+    ux, uy = np.where(axis < 2, one.ux, two.ux), np.where(axis < 2, one.uy, two.uy)
+    nx, ny = np.where(axis % 2 == 0, ux, -uy), np.where(axis % 2 == 0, uy, ux)
+    dx = (t.x[a] - t.old_x[a]) - (t.x[b] - t.old_x[b])
+    dy = (t.y[a] - t.old_y[a]) - (t.y[b] - t.old_y[b])
+    turned = np.abs(np.sin(t.heading[a] - t.old_heading[a])) + np.abs(np.sin(t.heading[b] - t.old_heading[b]))
+    result: Bools = gaps.max(-1) < np.abs(dx * nx + dy * ny) + turned * (t.length[a] + t.length[b])
+    return result
+
+
 def touching(t: Traffic) -> tuple[Ints, Floats]:
     """Pairs of vehicles whose boxes touch during the last step.
 
@@ -121,14 +136,8 @@ def touching(t: Traffic) -> tuple[Ints, Floats]:
     if not len(pairs):
         return none
     a, b = rows[pairs[:, 0]], rows[pairs[:, 1]]
-    gap = separation(_boxes_at(t, a, 1.0), _boxes_at(t, b, 1.0))
-    # They can only have touched in between if their relative motion is longer than the gap that is left.
-    relative = np.hypot(
-        (t.x[a] - t.old_x[a]) - (t.x[b] - t.old_x[b]), (t.y[a] - t.old_y[a]) - (t.y[b] - t.old_y[b])
-    )
-    turned = np.abs(t.heading[a] - t.old_heading[a]) + np.abs(t.heading[b] - t.old_heading[b])
-    near = gap < relative + turned * (t.length[a] + t.length[b]) / 2
-    a, b, gap = a[near], b[near], gap[near]
+    near = _may_have_touched(t, a, b)
+    a, b = a[near], b[near]
     if not len(a):
         return none
     motion = ~(jumped(t, a) | jumped(t, b))

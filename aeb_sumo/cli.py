@@ -1,0 +1,262 @@
+"""The `aeb-sumo` command."""
+
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import click
+import pandas as pd
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+import aeb_sumo
+import analysis
+from aeb_sumo import results as store
+from aeb_sumo import scenarios, strategies
+from aeb_sumo.drivers.errors import PROFILES
+from aeb_sumo.errors import InputError
+from aeb_sumo.results import TABLES, Results
+from aeb_sumo.simulate import Progress as Step
+from aeb_sumo.simulate import run as simulate
+
+__all__ = ["main"]
+
+_WIDTH = 110  # of the output where there is no terminal to ask
+
+
+@click.group()
+@click.version_option(aeb_sumo.__version__, prog_name="aeb-sumo")
+def cli() -> None:
+    """What an automatic emergency brake (AEB) does to real traffic."""
+
+
+@cli.command()
+@click.argument("scenario", required=False)
+@click.option("--sumocfg", type=click.Path(path_type=Path), help="Run this SUMO configuration instead of SCENARIO.")
+@click.option("--strategy", default="zhao2025", show_default=True, help="The AEB; none for the baseline.")
+@click.option("--penetration", type=float, default=1.0, show_default=True, help="Share of cars equipped, 0..1.")
+@click.option("--seed", type=click.IntRange(0, 2**31 - 1), help="Of SUMO and of the drivers. [default: the scenario's]")
+@click.option("--duration", type=float, help="Simulated seconds. [default: the scenario's]")
+@click.option("--step-length", type=float, help="Seconds. [default: the scenario's, else 0.1]")
+@click.option("--drivers", help="Errors the drivers make. [default: the scenario's; attentive with --sumocfg]")
+@click.option("--blockage", type=float, default=60.0, show_default=True, help="Seconds that crashed vehicles stand.")
+@click.option("--interval", type=float, default=60.0, show_default=True, help="Seconds per row of table traffic.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for the tables. [default: none, only printed]")
+@click.option("--compare", is_flag=True, help="Run the baseline too, same seed, and print both side by side.")
+@click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
+def run(
+    scenario: str | None,
+    sumocfg: Path | None,
+    strategy: str,
+    drivers: str | None,
+    out: Path | None,
+    compare: bool,
+    quiet: bool,
+    **options: Any,
+) -> int:
+    """Simulate SCENARIO with an AEB fleet and print crashes, interventions and throughput.
+
+    SCENARIO is one of highway, track, w0.
+    """
+    chosen = _scenario(scenario, sumocfg, drivers)
+    strategies.load(strategy)
+    if compare and strategy == "none":
+        raise InputError("--compare needs a --strategy other than none, which is what it compares with")
+    if out is not None and (out.exists() and not out.is_dir()):
+        raise InputError(f"--out {out} is a file, not a folder")
+    if out is not None and store.holds_results(out):
+        raise InputError(f"--out {out} already holds results; name a new or empty folder")
+    console = Console(stderr=True)
+    done: list[Results] = []
+    with _interruptible() as stop:
+        for name in ("none", strategy) if compare else (strategy,):
+            with _folder(out, name) as sumo_output, _progress(console, name, quiet) as progress:
+                one = simulate(chosen, name, sumo_output=sumo_output, progress=progress, stop=stop, **options)
+            if out is not None:
+                store.write(one, out)
+            done.append(one)
+            if one.runs["outcome"].iloc[0] != "completed":
+                break
+    if not quiet:
+        _print(analysis.summary(analysis.Dataset.of(Results.joined(done))), chosen.name)
+        if out is not None:
+            click.echo(f"Tables in {out}: pandas.read_parquet('{out}/crashes'), or analysis.load('{out}').")
+    outcome, reason = done[-1].runs[["outcome", "reason"]].iloc[0]
+    if outcome == "failed":
+        raise InputError(f"{reason} (the tables hold what was simulated until then)")
+    return 130 if outcome == "interrupted" else 0
+
+
+@cli.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("other", type=click.Path(path_type=Path), required=False)
+def compare(folder: Path, other: Path | None) -> int:
+    """Print the figures of one or two results folders side by side."""
+    if other is None:
+        _print(analysis.summary(analysis.load(folder)), str(folder))
+    else:
+        # Two folders of the same name still need two names.
+        names = (str(folder), str(other) if other != folder else f"{other} (again)")
+        data = dict(zip(names, (analysis.load(folder), analysis.load(other)), strict=True))
+        _print(analysis.compare(**data), " | ".join(names))
+    return 0
+
+
+@cli.command()
+@click.argument("table", required=False)
+def tables(table: str | None) -> int:
+    """Print the columns of TABLE, or of all tables, with type, unit and meaning."""
+    if table is not None and table not in TABLES:
+        raise InputError(f"unknown table {table!r}; there are: {', '.join(TABLES)}")
+    for each in TABLES.values() if table is None else (TABLES[table],):
+        grid = Table("column", "type", "unit", "meaning", title=f"{each.name}: {each.meaning}", title_justify="left")
+        for column in each.columns:
+            grid.add_row(column.name, column.dtype, column.unit, column.meaning)
+        _console().print(grid)
+    return 0
+
+
+def _scenario(name: str | None, sumocfg: Path | None, drivers: str | None) -> scenarios.Scenario:
+    if (name is None) == (sumocfg is None):
+        raise InputError(f"give one of SCENARIO ({', '.join(scenarios.names())}) and --sumocfg FILE")
+    chosen = scenarios.from_sumocfg(sumocfg) if sumocfg is not None else scenarios.load(str(name))
+    if drivers is None:
+        return chosen
+    if drivers not in PROFILES:
+        raise InputError(f"unknown --drivers {drivers!r}; there are: {', '.join(PROFILES)}")
+    return replace(chosen, errors=PROFILES[drivers])
+
+
+@contextmanager
+def _folder(out: Path | None, strategy: str) -> Iterator[Path | None]:
+    """The folder for SUMO's own output files; taken away again when nothing comes of the run."""
+    if out is None:
+        yield None
+        return
+    target = out / "sumo" / strategy
+    made = [p for p in (target, out / "sumo", out) if not p.exists()]
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make the folder {target}: {error.strerror}") from None
+    try:
+        yield target
+    except BaseException:
+        if made:
+            shutil.rmtree(made[-1], ignore_errors=True)
+        raise
+    for path in (target, out / "sumo"):
+        if not any(path.iterdir()):
+            path.rmdir()
+
+
+@contextmanager
+def _interruptible() -> Iterator[Callable[[], bool]]:
+    """Ctrl-C ends the run after the current step; a second one ends the program."""
+    asked = False
+
+    def ask(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
+        nonlocal asked
+        asked = True
+        signal.signal(signal.SIGINT, before)
+
+    before = signal.signal(signal.SIGINT, ask)
+    try:
+        yield lambda: asked
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[Step], None] | None]:
+    if quiet or not console.is_terminal:
+        yield None
+        return
+    columns = (
+        TextColumn("{task.description:>10}"),
+        BarColumn(),
+        TextColumn("{task.fields[note]}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task(name, total=None, note="starting SUMO")
+        drawn = 0.0
+
+        def show(step: Step) -> None:
+            nonlocal drawn
+            now = time.monotonic()
+            last = step.duration is not None and step.time >= step.duration
+            if now - drawn < 0.1 and not last:
+                return
+            drawn = now
+            span = f"{step.time:.0f} s" if step.duration is None else f"{step.time:.0f}/{step.duration:.0f} s"
+            note = f"{span}  {step.vehicles} vehicles  {step.crashes} crashes  {step.interventions} interventions"
+            bar.update(task, completed=step.time, total=step.duration, note=note)
+
+        yield show
+
+
+def _console() -> Console:
+    console = Console()
+    return console if console.is_terminal else Console(width=_WIDTH)
+
+
+def _print(frame: pd.DataFrame, title: str) -> None:
+    """Print a summary: one line per figure, a rule between sections."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("figure")
+    for column in frame.columns:
+        table.add_column(str(column), justify="right")
+    before = ""
+    for key, row in frame.iterrows():
+        section, figure, unit = key  # type: ignore[misc]
+        if before and section != before:
+            table.add_section()
+        before = section
+        label = f"{figure} [{unit}]".replace("[", r"\[") if unit else figure
+        cells = [_cell(v, whole=not unit, sign=c == "difference") for c, v in row.items()]
+        table.add_row(label, *cells)
+    _console().print(table)
+
+
+def _cell(value: float, *, whole: bool, sign: bool) -> str:
+    if pd.isna(value):
+        return "-"
+    if whole:
+        return f"{value:+.0f}" if sign else f"{value:.0f}"
+    digits = 0 if abs(value) >= 1000 else 1 if abs(value) >= 10 else 2
+    return f"{value:{'+' if sign else ''}.{digits}f}"
+
+
+def main() -> None:
+    """Run the command; bad input gives one line on stderr and exit status 2."""
+    try:
+        status = cli.main(standalone_mode=False)
+    except InputError as error:
+        _fail(str(error))
+    except click.NoSuchOption as error:
+        known = [o for p in (error.ctx.command.params if error.ctx else []) for o in p.opts if o.startswith("--")]
+        _fail(f"no such option: {error.option_name}; there are: {', '.join(known)}")
+    except click.UsageError as error:
+        message = error.format_message()
+        if error.ctx is not None and isinstance(error.ctx.command, click.Group) and "No such command" in message:
+            message += f" There are: {', '.join(error.ctx.command.commands)}."
+        _fail(message)
+    except click.ClickException as error:
+        _fail(error.format_message())
+    except click.Abort:
+        sys.exit(130)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _fail(message: str) -> None:
+    click.echo(f"aeb-sumo: {' '.join(message.split())}", err=True)
+    sys.exit(2)

@@ -1,0 +1,27 @@
+"""Analysis of aeb-sumo's tables, pandas in and out. Needs no SUMO.
+
+    data = analysis.load("results")
+    data.crashes                      # one of the five tables, a DataFrame
+    analysis.summary(data)            # everything at a glance, one column per group of runs
+"""
+
+from analysis.compare import compare, summary
+from analysis.crashes import crash_counts, crash_rates
+from analysis.interventions import intervention_counts, intervention_statistics
+from analysis.load import Dataset, load
+from analysis.rates import poisson_rate
+from analysis.throughput import throughput, throughput_impact
+
+__all__ = [
+    "Dataset",
+    "compare",
+    "crash_counts",
+    "crash_rates",
+    "intervention_counts",
+    "intervention_statistics",
+    "load",
+    "poisson_rate",
+    "summary",
+    "throughput",
+    "throughput_impact",
+]

@@ -1,0 +1,95 @@
+"""Everything at a glance, side by side."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from analysis.crashes import crash_rates
+from analysis.interventions import intervention_statistics
+from analysis.load import Dataset
+from analysis.throughput import throughput
+
+__all__ = ["compare", "summary"]
+
+
+def _figures(part: Dataset) -> dict[tuple[str, str, str], float]:
+    """All figures of one group of runs: (section, figure, unit) -> value."""
+    (rate,) = crash_rates(part).itertuples()
+    (flow,) = throughput(part).itertuples()
+    crashes, interventions, runs = part.crashes, part.interventions, part.runs
+    braking = interventions[interventions["phase"] != "warn"]
+    equipped_km = part.exposure.loc[part.exposure["equipped"], "distance_m"].sum() / 1000
+    figures: dict[tuple[str, str, str], float] = {("runs", "runs", ""): len(runs)}
+    figures["runs", "vehicles", ""] = runs["vehicles"].sum()
+    figures["runs", "vehicle-km", "km"] = rate.vehicle_km
+    figures["crashes", "crashes", ""] = rate.crashes
+    for kind, count in crashes["kind"].value_counts().sort_index().items():
+        figures["crashes", f"  {str(kind).replace('_', ' ')}", ""] = count
+    figures["crashes", "  secondary", ""] = crashes["secondary"].sum()
+    figures["crashes", "crash rate", "1/10⁶ km"] = rate.per_million_km
+    figures["crashes", "  95 % from", "1/10⁶ km"] = rate.low
+    figures["crashes", "  95 % to", "1/10⁶ km"] = rate.high
+    figures["crashes", "mean impact speed", "km/h"] = crashes["impact_speed_mps"].mean() * 3.6
+    figures["interventions", "interventions", ""] = len(interventions)
+    for phase in ("warn", "partial_brake", "full_brake"):
+        figures["interventions", f"  {phase.replace('_', ' ')}", ""] = (interventions["phase"] == phase).sum()
+    for kind in ("lead", "crossing"):
+        figures["interventions", f"  braking for {kind}", ""] = (braking["target_kind"] == kind).sum()
+    figures["interventions", "braking rate", "1/10³ km"] = len(braking) / equipped_km * 1000 if equipped_km else np.nan
+    ttc = braking["trigger_ttc_s"].replace(np.inf, np.nan)
+    figures["interventions", "median TTC at braking", "s"] = ttc.median()
+    figures["interventions", "mean peak deceleration", "m/s²"] = braking["max_decel_mps2"].mean()
+    figures["interventions", "mean speed reduction", "km/h"] = braking["speed_reduction_mps"].mean() * 3.6
+    figures["traffic", "arrivals", ""] = flow.arrived
+    figures["traffic", "still waiting to enter", ""] = flow.pending
+    figures["traffic", "flow", "1/h"] = flow.flow_vph
+    figures["traffic", "mean speed", "km/h"] = flow.speed_kmh
+    figures["traffic", "delay", "s/km"] = flow.delay_s_per_km
+    figures["checks", "SUMO's own collisions", ""] = runs["sumo_collisions"].sum()
+    figures["checks", "  also counted here", ""] = runs["confirmed_by_sumo"].sum()
+    figures["checks", "contacts dismissed", ""] = runs["contacts_dismissed"].sum()
+    figures["checks", "override violations", ""] = runs["override_violations"].sum()
+    return figures
+
+
+def _side_by_side(groups: Mapping[str, Dataset]) -> pd.DataFrame:
+    columns = {name: pd.Series(_figures(part), dtype=float) for name, part in groups.items()}
+    # Not every group has every kind of crash: keep the order of sections and figures as they come.
+    order = dict.fromkeys(key for section in ("runs", "crashes", "interventions", "traffic", "checks")
+                          for column in columns.values() for key in column.index if key[0] == section
+                          and not key[1].startswith("  "))  # fmt: skip
+    rows = []
+    for key in order:
+        rows.append(key)
+        for column in columns.values():
+            index = list(column.index)
+            at = index.index(key) + 1
+            while at < len(index) and index[at][1].startswith("  "):
+                if index[at] not in rows:
+                    rows.append(index[at])
+                at += 1
+    frame = pd.DataFrame(columns).reindex(pd.MultiIndex.from_tuples(rows, names=["section", "figure", "unit"]))
+    counts = frame.index.get_level_values("unit") == ""
+    frame[counts] = frame[counts].fillna(0)
+    if len(groups) == 2:
+        first, second = groups
+        frame["difference"] = frame[second] - frame[first]
+    return frame
+
+
+def summary(data: Dataset) -> pd.DataFrame:
+    """All figures, one column per group of runs and, for two groups, their difference.
+
+    Returns:
+        Index (section, figure, unit), values float; NaN where a figure does not exist.
+    """
+    return _side_by_side(data.by_group())
+
+
+def compare(**data: Dataset) -> pd.DataFrame:
+    """All figures of several data sets side by side; every group of each is a column, named `name: group`."""
+    groups = {
+        f"{name}: {group}": part for name, dataset in data.items() for group, part in dataset.by_group().items()
+    }
+    return _side_by_side(groups)

@@ -1,0 +1,63 @@
+"""Loading the tables of a results folder."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import pandas as pd
+
+from aeb_sumo.results import Results, read
+
+__all__ = ["Dataset", "load"]
+
+
+@dataclass(frozen=True)
+class Dataset:
+    """The five tables of one or more runs; columns, units and meanings as in `aeb_sumo.results.TABLES`.
+
+    Attributes:
+        runs, crashes, interventions, exposure, traffic: DataFrames.
+    """
+
+    runs: pd.DataFrame
+    crashes: pd.DataFrame
+    interventions: pd.DataFrame
+    exposure: pd.DataFrame
+    traffic: pd.DataFrame
+
+    @classmethod
+    def of(cls, results: Results) -> "Dataset":
+        """From results in memory."""
+        return cls(**{f.name: results.frame(f.name) for f in fields(cls)})
+
+    def groups(self) -> pd.Series:
+        """Group of every run, by run id: runs of one group differ in their seeds alone.
+
+        A group is named by its strategy, with penetration and scenario where these differ within the data set.
+        """
+        runs = self.runs.set_index("run_id")
+        names = runs["strategy"].astype(str)
+        if runs.loc[runs["strategy"] != "none", "penetration"].nunique() > 1:
+            names = names.where(runs["strategy"] == "none", names + " " + runs["penetration"].map("{:.0%}".format))
+        if runs["scenario"].nunique() > 1:
+            names = runs["scenario"].astype(str) + " " + names
+        return names.rename("group")
+
+    def only(self, run_ids: pd.Index) -> "Dataset":
+        """The tables of some runs."""
+        tables = {f.name: getattr(self, f.name) for f in fields(self)}
+        return Dataset(**{name: table[table["run_id"].isin(run_ids)] for name, table in tables.items()})
+
+    def by_group(self) -> dict[str, "Dataset"]:
+        """One data set per group, the baseline first."""
+        names = self.groups()
+        order = sorted(names.unique(), key=lambda n: (n.rpartition(" ")[2] != "none" and n != "none", n))
+        return {name: self.only(names.index[names == name]) for name in order}
+
+
+def load(folder: str | Path) -> Dataset:
+    """Load a results folder.
+
+    Raises:
+        aeb_sumo.errors.InputError: it holds no results, or they cannot be read.
+    """
+    return Dataset.of(read(folder))
