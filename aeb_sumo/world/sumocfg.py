@@ -1,8 +1,10 @@
 """What a .sumocfg says, before SUMO reads it."""
 
+import gzip
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 from aeb_sumo.errors import InputError
 
@@ -39,7 +41,8 @@ def read(path: str | Path) -> SumoConfig:
     """Read a .sumocfg.
 
     Raises:
-        InputError: the file is missing or is not a SUMO configuration.
+        InputError: the file is missing or is not a SUMO configuration, or a net, route or additional file that it
+            names is not well-formed.
     """
     path = Path(path)
     if not path.is_file():
@@ -56,4 +59,22 @@ def read(path: str | Path) -> SumoConfig:
         for element in root.iter()
         if (value := element.get("value", element.get("v"))) is not None
     }
-    return SumoConfig(path.resolve(), options)
+    config = SumoConfig(path.resolve(), options)
+    for option in ("net-file", "route-files", "additional-files"):
+        for name in filter(None, (part.strip() for part in options.get(option, "").split(","))):
+            _check_well_formed(config.path.parent / name)
+    return config
+
+
+def _check_well_formed(path: Path) -> None:
+    """SUMO 1.28 ends the whole process with a segmentation fault on a file that stops inside a tag.
+
+    A file that is not there is left to SUMO, which says so.
+    """
+    if not path.is_file():
+        return
+    try:
+        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+            expat.ParserCreate().ParseFile(file)
+    except (expat.ExpatError, OSError) as error:
+        raise InputError(f"{path} is not well-formed XML: {error}") from None

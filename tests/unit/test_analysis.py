@@ -1,0 +1,77 @@
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import chi2
+
+import analysis
+from aeb_sumo.results import Results
+
+
+@pytest.fixture
+def data():
+    """Two seeds without AEB, two with it: 3 + 1 crashes against 1 + 0, 1,000 km each."""
+    runs, crashes, exposure, traffic = [], [], [], []
+    for strategy, counts in (("none", (3, 1)), ("zhao2025", (1, 0))):
+        for seed, count in enumerate(counts):
+            run = f"{strategy}-{seed}"
+            runs.append({"run_id": run, "scenario": "s", "strategy": strategy, "penetration": 1.0, "seed": seed,
+                         "begin_s": 0.0, "end_s": 1800.0, "sumo_collisions": count, "confirmed_by_sumo": count})  # fmt: skip
+            crashes += [{"run_id": run, "kind": "rear_end", "impact_speed_mps": 5.0, "secondary": k > 0}
+                        for k in range(count)]  # fmt: skip
+            exposure.append({"run_id": run, "vclass": "passenger", "equipped": strategy != "none", "vehicles": 10,
+                             "distance_m": 1e6, "time_s": 1e5})  # fmt: skip
+            for begin in (0.0, 900.0):
+                traffic.append({"run_id": run, "begin_s": begin, "end_s": begin + 900, "vclass": "passenger",
+                                "arrived": 50, "pending": 2, "distance_m": 5e5, "time_s": 5e4, "delay_s": 1e3})  # fmt: skip
+    action = {"run_id": "zhao2025-0", "target_kind": "lead", "max_decel_mps2": 6.0, "speed_reduction_mps": 10.0}
+    interventions = [
+        action | {"phase": "partial_brake", "trigger_ttc_s": 1.0},
+        action | {"phase": "partial_brake", "trigger_ttc_s": np.inf},
+        action | {"phase": "warn", "trigger_ttc_s": None},
+    ]
+    tables = {"runs": runs, "crashes": crashes, "interventions": interventions, "exposure": exposure, "traffic": traffic}
+    return analysis.Dataset.of(Results.of(tables))
+
+
+def test_poisson_interval_is_garwoods():
+    rate = analysis.poisson_rate(7, 2.0)
+    assert (rate.rate, rate.low, rate.high) == pytest.approx((3.5, chi2.ppf(0.025, 14) / 4, chi2.ppf(0.975, 16) / 4))
+    assert analysis.poisson_rate(0, 1.0).low == 0
+    assert np.isnan(analysis.poisson_rate(0, 0.0).rate)
+    with pytest.raises(ValueError, match="count -1"):
+        analysis.poisson_rate(-1, 1.0)
+
+
+def test_crash_counts_and_rates(data):
+    assert analysis.crash_counts(data).loc["total"].to_dict() == {"none": 4, "zhao2025": 1}
+    rates = analysis.crash_rates(data)
+    assert rates.loc["none", "per_million_km"] == pytest.approx(2000)
+    assert rates.loc["zhao2025", "low"] < 500 < rates.loc["zhao2025", "high"]
+
+
+def test_interventions(data):
+    assert analysis.intervention_counts(data)["zhao2025"].to_dict() == {"partial_brake": 2, "warn": 1}
+    row = analysis.intervention_statistics(data).loc[("zhao2025", "partial_brake", "lead")]
+    assert row["per_1000_km"] == pytest.approx(1.0)
+    assert row["trigger_ttc_s_mean"] == 1.0, "an infinite TTC does not count"
+
+
+def test_throughput(data):
+    row = analysis.throughput(data).loc["none"]
+    assert row.to_dict() == pytest.approx(
+        {"arrived": 200, "pending": 4, "flow_vph": 200, "speed_kmh": 36, "delay_s_per_km": 2}
+    )
+    assert (analysis.throughput_impact(data).loc["zhao2025"] == 0).all()
+
+
+def test_summary_puts_the_baseline_first_and_the_difference_last(data):
+    table = analysis.summary(data)
+    assert list(table.columns) == ["none", "zhao2025", "difference"]
+    assert table.loc[("crashes", "crashes", ""), "difference"] == -3
+    assert isinstance(table, pd.DataFrame)
+
+
+def test_compare_names_every_group(data):
+    baseline = data.by_group()["none"]
+    table = analysis.compare(A=baseline, B=data.by_group()["zhao2025"])
+    assert list(table.columns) == ["A: none", "B: zhao2025", "difference"]

@@ -1,0 +1,60 @@
+import numpy as np
+import pytest
+
+from aeb_sumo.units import G
+from aeb_sumo.vehicle.brake import BrakeParams, brake_init, brake_step
+from aeb_sumo.vehicle.lower_controller import PidParams, pid_init, pid_step
+
+
+def respond(params, demand, steps, dt=0.01, mu=0.85):
+    state, out = brake_init(params, 1), []
+    for _ in range(steps):
+        state, decel = brake_step(params, state, demand=np.array([demand]), mu=np.array([mu]), dt=dt)
+        out.append(decel[0])
+    return np.array(out)
+
+
+def test_reaches_the_demand_and_stays():
+    assert respond(BrakeParams(), 5.0, 200)[-1] == pytest.approx(5.0, abs=1e-3)
+
+
+def test_dead_time_comes_first():
+    response = respond(BrakeParams(dead_time=0.1), 5.0, 40)
+    assert np.all(response[:10] == 0)
+    assert response[10] > 0
+
+
+def test_build_up_is_limited():
+    response = respond(BrakeParams(dead_time=0, build_up=20.0), 8.0, 60)
+    assert np.max(np.diff(response)) <= 20.0 * 0.01 + 1e-9
+
+
+def test_without_dead_time_the_loop_has_the_lag_of_the_plant():
+    params = BrakeParams(dead_time=0.0, lag=0.05, build_up=np.inf, release=np.inf)
+    response = respond(params, 6.0, 100)
+    assert np.argmax(response >= 6.0 * (1 - np.exp(-1))) * 0.01 == pytest.approx(0.05, abs=0.015)
+    assert response.max() <= 6.0 * 1.02
+
+
+@pytest.mark.parametrize("mu", [0.2, 0.5, 0.85])
+def test_friction_limits(mu):
+    assert respond(BrakeParams(), 12.0, 200, mu=mu)[-1] == pytest.approx(mu * G, rel=1e-3)
+
+
+def test_the_mean_over_a_long_step_is_that_of_short_ones():
+    params = BrakeParams()
+    assert respond(params, 5.0, 1, dt=0.1)[0] == pytest.approx(respond(params, 5.0, 10, dt=0.01).mean())
+
+
+def test_pid_is_equation_7():
+    params = PidParams(kp=2.0, ti=0.5, td=0.1, limit=100)
+    _, out = pid_step(params, pid_init(1), demand=np.array([3.0]), actual=np.array([1.0]), dt=0.1)
+    assert out[0] == pytest.approx(2.0 * (2.0 + 0.2 / 0.5 + 0.1 * 2.0 / 0.1))
+
+
+def test_pid_does_not_wind_up():
+    params, state = PidParams(kp=1.0, ti=0.05, limit=5.0), pid_init(1)
+    for _ in range(100):
+        state, out = pid_step(params, state, demand=np.array([8.0]), actual=np.array([5.0]), dt=0.01)
+    assert out[0] == 5.0
+    assert state.integral[0] < 1.0
