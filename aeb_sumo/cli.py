@@ -216,8 +216,7 @@ def _print(frame: pd.DataFrame, title: str) -> None:
     for column in frame.columns:
         table.add_column(str(column), justify="right")
     before = ""
-    for key, row in frame.iterrows():
-        section, figure, unit = key  # type: ignore[misc]
+    for (section, figure, unit), (_, row) in zip(frame.index.to_list(), frame.iterrows(), strict=True):
         if before and section != before:
             table.add_section()
         before = section

@@ -23,8 +23,14 @@ _HOLDING = 3.0  # m/s2, of a brake that holds a standing car: any value holds it
 
 @dataclass(frozen=True)
 class Targets:
-    """What each equipped vehicle reacts to, (n,) each: slot or -1, gap [m], speed and acceleration along the own path
-    [m/s], [m/s2], and whether it crosses that path."""
+    """What each equipped vehicle reacts to, (n,) each.
+
+    Attributes:
+        slot: of the target, -1 for none.
+        gap: along the own path [m].
+        speed, accel: along the own path [m/s], [m/s2].
+        crossing: it crosses that path.
+    """
 
     slot: Ints
     gap: Floats
@@ -187,11 +193,8 @@ class Fleet:
         for slot, (other, distance) in self._crossings(turns).items():
             k = int(np.searchsorted(rows, slot))
             if distance < targets.gap[k]:
-                put(
-                    targets,
-                    np.array([k]),
-                    Targets(*(np.array([q]) for q in (other, distance, 0.0, 0.0, True))),  # type: ignore[arg-type]
-                )
+                targets.slot[k], targets.gap[k], targets.crossing[k] = other, distance, True
+                targets.speed[k] = targets.accel[k] = 0.0
         return targets
 
     def _leads(self, rows: Ints) -> tuple[Ints, Floats]:

@@ -4,7 +4,6 @@ scikit-fuzzy gives the membership functions; `skfuzzy.control` (300 ms for one i
 reference that tests/reference/test_fuzzy.py compares with.
 """
 
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,10 +107,10 @@ class Surface:
         return result
 
 
-def _cell(q: Floats, limits: tuple[float, float], n: int) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.int64]], Floats]:
+def _cell(
+    q: Floats, limits: tuple[float, float], n: int
+) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.int64]], Floats]:
     """Index of the grid cell and the fraction within it."""
     at = (np.clip(q, *limits) - limits[0]) / (limits[1] - limits[0]) * (n - 1)
     cell = np.minimum(at.astype(np.int64), n - 2)
     return cell, at - cell
-
-

@@ -32,6 +32,7 @@ from aeb_sumo.world.yielding import Yielding
 
 __all__ = ["Progress", "run"]
 
+
 @dataclass(frozen=True)
 class Progress:
     """How far a run is: simulated time since its begin [s] and in all (None: unknown), vehicles now, events so far."""
@@ -270,7 +271,6 @@ class _Run:
 
     def _book_action(self, time: float, slot: int, target: Target | None) -> None:
         t, vehicle = self._traffic, self._traffic.ids[slot]
-        aimed = target is not None
         self._interventions.act(
             time,
             vehicle,
@@ -279,14 +279,14 @@ class _Run:
                 phase=int(self._fleet.demand.phase[slot]),
                 decel=float(self._fleet.decel[slot]),
                 speed=float(t.speed[slot]),
-                target=t.ids[target.slot] if aimed else "",
-                target_vclass=t.vclass[target.slot] if aimed else "",
-                target_kind=("crossing" if target.crossing else "lead") if aimed else "",
-                gap=target.gap if aimed else np.nan,
-                ttc=target.ttc if aimed else np.nan,
-                ttc2=target.ttc2 if aimed else np.nan,
-                closing_speed=target.closing_speed if aimed else np.nan,
-                error=self._error(slot, target.slot if aimed else None),
+                target=t.ids[target.slot] if target else "",
+                target_vclass=t.vclass[target.slot] if target else "",
+                target_kind=("crossing" if target.crossing else "lead") if target else "",
+                gap=target.gap if target else np.nan,
+                ttc=target.ttc if target else np.nan,
+                ttc2=target.ttc2 if target else np.nan,
+                closing_speed=target.closing_speed if target else np.nan,
+                error=self._error(slot, target.slot if target else None),
                 x=float(t.x[slot]),
                 y=float(t.y[slot]),
             ),

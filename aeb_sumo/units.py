@@ -2,7 +2,7 @@
 
 from aeb_sumo.soa import Floats
 
-__all__ = ["G", "KMH", "to_kmh"]
+__all__ = ["KMH", "G", "to_kmh"]
 
 G = 9.81
 """Gravity [m/s2]."""

@@ -1,8 +1,8 @@
 """Analysis of aeb-sumo's tables, pandas in and out. Needs no SUMO.
 
-    data = analysis.load("results")
-    data.crashes                      # one of the five tables, a DataFrame
-    analysis.summary(data)            # everything at a glance, one column per group of runs
+data = analysis.load("results")
+data.crashes                      # one of the five tables, a DataFrame
+analysis.summary(data)            # everything at a glance, one column per group of runs
 """
 
 from analysis.compare import compare, summary

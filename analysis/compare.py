@@ -1,26 +1,26 @@
 """Everything at a glance, side by side."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from analysis.crashes import crash_rates
-from analysis.interventions import intervention_statistics
 from analysis.load import Dataset
 from analysis.throughput import throughput
 
 __all__ = ["compare", "summary"]
 
 
-def _figures(part: Dataset) -> dict[tuple[str, str, str], float]:
+def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     """All figures of one group of runs: (section, figure, unit) -> value."""
     (rate,) = crash_rates(part).itertuples()
     (flow,) = throughput(part).itertuples()
     crashes, interventions, runs = part.crashes, part.interventions, part.runs
     braking = interventions[interventions["phase"] != "warn"]
     equipped_km = part.exposure.loc[part.exposure["equipped"], "distance_m"].sum() / 1000
-    figures: dict[tuple[str, str, str], float] = {("runs", "runs", ""): len(runs)}
+    figures: dict[tuple[str, str, str], Any] = {("runs", "runs", ""): len(runs)}
     figures["runs", "vehicles", ""] = runs["vehicles"].sum()
     figures["runs", "vehicle-km", "km"] = rate.vehicle_km
     figures["crashes", "crashes", ""] = rate.crashes
@@ -89,7 +89,5 @@ def summary(data: Dataset) -> pd.DataFrame:
 
 def compare(**data: Dataset) -> pd.DataFrame:
     """All figures of several data sets side by side; every group of each is a column, named `name: group`."""
-    groups = {
-        f"{name}: {group}": part for name, dataset in data.items() for group, part in dataset.by_group().items()
-    }
+    groups = {f"{name}: {group}": part for name, dataset in data.items() for group, part in dataset.by_group().items()}
     return _side_by_side(groups)

@@ -28,8 +28,8 @@ def on_track(tmp_path: Path) -> Callable[..., Scenario]:
         routes = tmp_path / "track.rou.xml"
         routes.write_text(
             '<routes><vType id="car" vClass="passenger" length="4.6" width="1.82" sigma="0" speedDev="0" '
-            'lcSpeedGain="0" lcKeepRight="0" lcStrategic="-1"/><vType id="attentive" vClass="bus" length="4.6" width="1.82" sigma="0" '
-            f'speedDev="0"/><route id="r" edges="track"/>{vehicles}</routes>'
+            'lcSpeedGain="0" lcKeepRight="0" lcStrategic="-1"/><vType id="attentive" vClass="bus" length="4.6" '
+            f'width="1.82" sigma="0" speedDev="0"/><route id="r" edges="track"/>{vehicles}</routes>'
         )
         net = sumo_nets.folder("track") / "track.net.xml"
         values: dict = {"duration": 30.0, "errors": errors or Errors(robots=Robots())} | changes

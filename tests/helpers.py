@@ -5,12 +5,15 @@ import numpy as np
 from aeb_sumo.strategies.base import Percept
 
 
+def vehicle(name: str, position: float, speed: float, kind: str = "car", inside: str = "") -> str:
+    """A vehicle on the track in SUMO's XML, there at once and on the right lane."""
+    where = f'route="r" depart="0" departLane="0" departPos="{position}" departSpeed="{speed}" insertionChecks="none"'
+    return f'<vehicle id="{name}" type="{kind}" {where}>{inside}</vehicle>'
+
+
 def approach(ego_kmh: float, lead_kmh: float, gap: float) -> str:
-    """An ego behind a lead, bumper to bumper `gap` apart."""
-    return (
-        f'<vehicle id="lead" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="{604.6 + gap}" departSpeed="{lead_kmh / 3.6}"/>'
-        f'<vehicle id="ego" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="600" departSpeed="{ego_kmh / 3.6}"/>'
-    )
+    """An ego 600 m down the track behind a lead of 4.6 m, bumper to bumper `gap` apart."""
+    return vehicle("lead", 604.6 + gap, lead_kmh / 3.6) + vehicle("ego", 600, ego_kmh / 3.6)
 
 
 def percept(**values: object) -> Percept:

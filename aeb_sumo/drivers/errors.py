@@ -205,9 +205,11 @@ class Lapses:
         self.on, self.accel = fitted(self.on, size), fitted(self.accel, size)
         if not self.kinds:
             return np.zeros(size, np.bool_), np.zeros(size), np.zeros(size, np.bool_)
-        first, any_on = self.on.argmax(1), self.on.any(1)
+        first = self.on.argmax(1)
+        any_on: Bools = np.any(self.on, axis=1)
         looks = np.array([k.name == Glances.name for k in self.kinds])
-        return any_on, np.take_along_axis(self.accel, first[:, None], 1)[:, 0], any_on & looks[first]
+        away: Bools = any_on & looks[first]
+        return any_on, np.take_along_axis(self.accel, first[:, None], 1)[:, 0], away
 
     def name(self, slot: int) -> str:
         """The error a driver is making, or empty."""
@@ -222,6 +224,4 @@ class Lapses:
 
     def _push(self, time: float, event: _Event, *, starts: bool) -> None:
         self._count += 1
-        heappush(
-            self._heap, _Event(time, self._count, event.slot, event.vehicle, event.kind, event.lapse, starts)
-        )
+        heappush(self._heap, _Event(time, self._count, event.slot, event.vehicle, event.kind, event.lapse, starts))

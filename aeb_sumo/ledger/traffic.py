@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from aeb_sumo.soa import Floats, Ints, fitted
+from aeb_sumo.soa import Bools, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import allowed_speeds, pending
 
@@ -46,7 +46,7 @@ class TrafficBook:
         """A vehicle reaches its destination."""
         self._current[self._group[slot], 1] += 1
 
-    def step(self, time: float, wrecked: Floats) -> None:
+    def step(self, time: float, wrecked: Bools) -> None:
         """Book the step that ended at `time` [s]."""
         t, rows = self._traffic, self._traffic.present
         n = len(self._groups)
@@ -61,7 +61,7 @@ class TrafficBook:
                 (self._current[:, 2], distance),
                 (self._current[:, 3], spent),
             ):
-                book += np.bincount(group, weights, n)
+                np.add(book, np.bincount(group, weights, n), out=book)
             if time - self._sampled >= _SAMPLE - t.dt / 2:
                 lost = 1 - t.speed[rows] / np.maximum(allowed_speeds(t), 0.1)
                 self._current[:, 4] += np.bincount(group, np.maximum(lost, 0.0) * (time - self._sampled), n)

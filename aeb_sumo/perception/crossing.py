@@ -31,8 +31,10 @@ def crossing_zone(
     """Where two paths come closer than the vehicles are wide while they differ by more than 30 degrees.
 
     Args:
-        points, heading: (n, 2) [m] and (n,) [rad] of the own path.
-        other_points, other_heading: (m, 2) and (m,) of the other's.
+        points: (n, 2) of the own path [m].
+        heading: (n,) of the own path [rad].
+        other_points: (m, 2) of the other's [m].
+        other_heading: (m,) of the other's [rad].
         width: half the own plus half the other's width [m].
         spacing: distance between the points of either path [m].
 

@@ -28,9 +28,13 @@ def sees_lead(
 
     Args:
         sensor: what the ego sees with.
-        x, y, heading: (n,) front bumper of the ego [m], [rad].
+        x: (n,) front bumper of the ego [m].
+        y: (n,) front bumper of the ego [m].
+        heading: (n,) of the ego [rad].
         gap: (n,) along the lanes, as SUMO gives it, bumper to bumper [m].
-        rear_x, rear_y, lead_heading: (n,) rear bumper of the lead [m], [rad].
+        rear_x: (n,) rear bumper of the lead [m].
+        rear_y: (n,) rear bumper of the lead [m].
+        lead_heading: (n,) of the lead [rad].
     """
     seen, distance = covered(sensor, x=x, y=y, heading=heading, target_x=rear_x, target_y=rear_y)
     touching = distance < 2.0  # bumper to bumper the bearing means nothing

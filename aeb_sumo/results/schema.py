@@ -110,8 +110,8 @@ _CRASHES = _table(
 
 _INTERVENTIONS = _table(
     "interventions",
-    "One row per intervention: from the first warning or braking of an equipped vehicle until it has been doing neither "
-    "for 1 s.",
+    "One row per intervention: from the first warning or braking of an equipped vehicle until it has been doing "
+    "neither for 1 s.",
     ("intervention_id", "int64", "-", "number within the run, from 0, in the order of their ends"),
     ("vehicle", "string", "-", "id of the equipped vehicle"),
     ("vclass", "string", "-", "SUMO's vehicle class"),

@@ -1,7 +1,7 @@
 """Scenarios: what is simulated. One file each, or a user's own .sumocfg.
 
-A module of this package that defines `SCENARIO`, a `base.Scenario`, is found by itself; one from elsewhere comes through
-the entry-point group `aeb_sumo.scenarios`.
+A module of this package that defines `SCENARIO`, a `base.Scenario`, is found by itself; one from elsewhere comes
+through the entry-point group `aeb_sumo.scenarios`.
 """
 
 from aeb_sumo.registry import find, registered

@@ -1,6 +1,6 @@
 """What a scenario is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import sumo_nets
 from aeb_sumo.drivers.errors import Errors
@@ -26,7 +26,7 @@ class Scenario:
 
     name: str
     options: tuple[str, ...]
-    errors: Errors = Errors()
+    errors: Errors = field(default_factory=Errors)
     mu: float = 0.85
     seed: int | None = 1
     step_length: float | None = 0.1

@@ -1,6 +1,6 @@
 """No AEB: the baseline of every comparison."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -25,7 +25,7 @@ class NoAeb:
 
     name: ClassVar[str] = "none"
     source: ClassVar[str] = "-"
-    brake: BrakeParams = BrakeParams()
+    brake: BrakeParams = field(default_factory=BrakeParams)
 
     def init(self, n: int) -> Nothing:
         """See `Strategy.init`."""

@@ -156,9 +156,7 @@ class Zhao2025:
     def step(self, state: Zhao2025State, percept: Percept, dt: float) -> tuple[Zhao2025State, Demand]:  # noqa: ARG002
         """See `Strategy.step`. Warning: Figure 3 and Table 3; braking: Figure 4 and Table 4; seeds 1.4."""
         closing = percept.ego_speed - percept.target_speed
-        time = ttc2(
-            gap=percept.gap, closing_speed=closing, closing_accel=percept.ego_accel - percept.target_accel
-        )
+        time = ttc2(gap=percept.gap, closing_speed=closing, closing_accel=percept.ego_accel - percept.target_accel)
         # Closing includes v_rel = 0 with a_rel > 0, the first row of Table 1.
         alive: Bools = percept.valid & (percept.ego_speed > 0) & (closing >= 0)
 

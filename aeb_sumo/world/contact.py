@@ -101,8 +101,10 @@ def jumped(t: Traffic, slots: Ints) -> Bools:
 
 
 def _may_have_touched(t: Traffic, a: Ints, b: Ints) -> Bools:
-    """Pairs that touch at the end of the step, or whose relative motion along the axis that parts them then was longer
-    than the gap that is left."""
+    """Pairs that may have touched during the step.
+
+    They touch at its end, or their relative motion along the axis that parts them then was longer than the gap left.
+    """
     one, two = _boxes_at(t, a, 1.0), _boxes_at(t, b, 1.0)
     gaps = _axes_gaps(one, two)
     axis = gaps.argmax(-1)

@@ -46,8 +46,8 @@ class Network:
 
     def _links(self, lane: str) -> tuple[Link, ...]:
         result = []
-        for to, _, _, _, internal, _, direction, _ in libsumo.lane.getLinks(lane):
-            via = []
+        for to, _, _, _, first, _, direction, _ in libsumo.lane.getLinks(lane):
+            via, internal = [], first
             while internal:
                 via.append(internal)
                 onward = libsumo.lane.getLinks(internal)

@@ -28,8 +28,8 @@ _CAR_MASS = 1500.0
 
 
 _MOTION = ("x", "y", "heading", "speed")
-_ARRAYS = (*_MOTION, *("old_" + name for name in _MOTION), "accel", "length", "width", "min_gap", "mass", "serial", "here",
-           "fresh")  # fmt: skip
+_OTHER = ("accel", "length", "width", "min_gap", "mass", "serial", "here", "fresh")
+_ARRAYS = (*_MOTION, *("old_" + name for name in _MOTION), *_OTHER)
 
 
 class Traffic:

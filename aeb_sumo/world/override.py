@@ -42,8 +42,8 @@ class Audit:
 class Override:
     """Who drives which vehicle, and how hard.
 
-    Three can drive: SUMO; a driver in error, with an acceleration of his own; a wreck, with the deceleration of a crash.
-    The AEB brakes on top of SUMO's driver and of one in error, and never takes away from a driver who brakes harder:
+    Three can drive: SUMO; a driver in error, with an acceleration of his own; a wreck, sliding to a stop. The AEB brakes
+    on top of SUMO's driver and of one in error, and never takes away from a driver who brakes harder:
 
         deceleration = max(AEB, driver), at most mu g
 
@@ -90,8 +90,8 @@ class Override:
         """
         t, dt = self._traffic, self._traffic.dt
         wanted = t.here & (erring | (aeb > 0) | wrecked)
-        for slot in np.flatnonzero(self._taken & t.here & ~wanted):
-            self._give_back(int(slot))
+        for released in np.flatnonzero(self._taken & t.here & ~wanted).tolist():
+            self._give_back(released)
         rows = np.flatnonzero(wanted)
         if not len(rows):
             return

@@ -93,7 +93,9 @@ class Paths:
         key = own.path, other.path, own.half_width + other.half_width
         if key not in self._zones:
             zone = crossing_zone(
-                *(own.path.points, own.path.heading, other.path.points, other.path.heading), width=key[2], spacing=_SPACING
+                *(own.path.points, own.path.heading, other.path.points, other.path.heading),
+                width=key[2],
+                spacing=_SPACING,
             )
             self._zones[key] = zone and Zone(
                 own.path.origin + zone.own_from,

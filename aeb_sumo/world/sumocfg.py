@@ -55,9 +55,7 @@ def read(path: str | Path) -> SumoConfig:
     if not root.tag.lower().endswith("configuration"):
         raise InputError(f"{path} is not a SUMO configuration: its root is <{root.tag}>")
     options = {
-        element.tag: value
-        for element in root.iter()
-        if (value := element.get("value", element.get("v"))) is not None
+        element.tag: value for element in root.iter() if (value := element.get("value", element.get("v"))) is not None
     }
     config = SumoConfig(path.resolve(), options)
     for option in ("net-file", "route-files", "additional-files"):

@@ -32,8 +32,8 @@ def demanding(t: Traffic, slot: int) -> bool:
     """Whether the driver has reason to keep his eyes on the road just now.
 
     He has when he brakes (more than 0.5 m/s2), closes in on the vehicle ahead (TTC below 6 s), follows it at less than
-    0.7 s, or has to find a gap because his lane leads him on his route for less than 500 m. All our assumptions: drivers
-    choose calm moments to look away.
+    0.7 s, or has to find a gap because his lane leads him on his route for less than 500 m. All our assumptions:
+    drivers choose calm moments to look away.
     """
     vehicle = t.ids[slot]
     if t.accel[slot] < -0.5:
@@ -69,5 +69,3 @@ def pending() -> dict[str, int]:
         vclass = libsumo.vehicle.getVehicleClass(vehicle)
         waiting[vclass] = waiting.get(vclass, 0) + 1
     return waiting
-
-

@@ -90,9 +90,10 @@ class Wrecks:
             self.reported.setdefault(_pair(collision.collider, collision.victim), time)
         new = []
         pairs, instants = touching(t)
-        # Wrecks go on touching for as long as they stand.
-        news = np.flatnonzero(~self.wrecked[pairs].all(1))
-        for k in news[np.argsort(instants[news], kind="stable")]:
+        for k in np.argsort(instants, kind="stable"):
+            # Wrecks go on touching for as long as they stand.
+            if _pair(*(t.ids[slot] for slot in pairs[k])) in self.crashed:
+                continue
             crash = self._judge(impact(t, pairs[k], float(instants[k]), time))
             if crash is not None:
                 new.append(crash)
@@ -103,8 +104,6 @@ class Wrecks:
         t = self.traffic
         striker, struck = t.ids[hit.striker], t.ids[hit.struck]
         pair = _pair(striker, struck)
-        if pair in self.crashed or (self.wrecked[hit.striker] and self.wrecked[hit.struck]):
-            return None
         if hit.approach <= 0:
             return None
         places = [self._place(v) for v in (striker, struck)]

@@ -14,7 +14,9 @@ def scenario(request):
 
 @pytest.fixture(scope="module")
 def pair(scenario):
-    return {p: run(scenario, penetration=p, duration=40) for p in (0.0, 1.0)} | {"none": run(scenario, "none", duration=40)}
+    return {p: run(scenario, penetration=p, duration=40) for p in (0.0, 1.0)} | {
+        "none": run(scenario, "none", duration=40)
+    }
 
 
 def test_tables_have_their_schema(pair):

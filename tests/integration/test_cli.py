@@ -1,7 +1,6 @@
 """The command as a user types it: in a process of its own."""
 
 import hashlib
-import os
 import signal
 import subprocess
 import sys
@@ -95,7 +94,9 @@ def test_bad_input_is_one_clear_line(arguments, words, tmp_path):
     track = sumo_nets.folder("track") / "track.net.xml"
     (tmp_path / "broken.sumocfg").write_text("<configuration><net-file")
     (tmp_path / "bad.net.xml").write_text("<net><edge")
-    (tmp_path / "bad.rou.xml").write_text('<routes><vehicle id="v" depart="0"><route edges="nowhere"/></vehicle></routes>')
+    (tmp_path / "bad.rou.xml").write_text(
+        '<routes><vehicle id="v" depart="0"><route edges="nowhere"/></vehicle></routes>'
+    )
     (tmp_path / "cut.rou.xml").write_text("<routes><vehicle")
     for name, net, routes in (
         ("no_net", "nowhere.net.xml", ""),
@@ -139,7 +140,6 @@ def test_ctrl_c_leaves_complete_tables_marked_as_interrupted(tmp_path):
     assert 0 < row["end_s"] < 3600
     assert tables["exposure"]["time_s"].sum() > 0
     assert not list(out.rglob("*.partial"))
-    assert os.listdir(out)
 
 
 def test_a_scenario_of_the_users_own_runs_untouched(bologna, tmp_path):
@@ -165,8 +165,8 @@ def test_its_own_time_span_is_respected(tmp_path):
     net = sumo_nets.folder("track") / "track.net.xml"
     (tmp_path / "r.rou.xml").write_text('<routes><trip id="t" depart="105" from="track" to="track"/></routes>')
     (tmp_path / "x.sumocfg").write_text(
-        f'<configuration><net-file value="{net}"/><route-files value="r.rou.xml"/><begin value="100"/><end value="130"/>'
-        '<step-length value="0.5"/><seed value="7"/></configuration>'
+        f'<configuration><net-file value="{net}"/><route-files value="r.rou.xml"/>'
+        '<begin value="100"/><end value="130"/><step-length value="0.5"/><seed value="7"/></configuration>'
     )
     assert aeb_sumo("run", "--sumocfg", "x.sumocfg", "--out", "out", "--quiet", cwd=tmp_path).returncode == 0
     row = pd.read_parquet(tmp_path / "out" / "runs").iloc[0]

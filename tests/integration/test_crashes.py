@@ -3,7 +3,7 @@
 import pytest
 
 from aeb_sumo.simulate import run
-from tests.helpers import approach
+from tests.helpers import approach, vehicle
 
 
 def test_a_rear_end_crash_is_one_event_with_its_physics(on_track):
@@ -21,9 +21,7 @@ def test_a_rear_end_crash_is_one_event_with_its_physics(on_track):
 
 
 def test_wrecks_block_for_their_time_and_leave(on_track):
-    vehicles = approach(50, 20, 30) + (
-        '<vehicle id="late" type="attentive" route="r" depart="0" departLane="0" insertionChecks="none" departPos="300" departSpeed="10"/>'
-    )
+    vehicles = approach(50, 20, 30) + vehicle("late", 300, 10, kind="attentive")
     scenario = on_track(vehicles, duration=60.0, errors=None)
     blocked = run(scenario, "none", blockage=40.0)
     assert len(blocked.crashes) >= 1
@@ -33,7 +31,7 @@ def test_wrecks_block_for_their_time_and_leave(on_track):
 
 
 def test_a_pile_up_is_one_event_per_pair(on_track):
-    third = '<vehicle id="third" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="560" departSpeed="14"/>'
+    third = vehicle("third", 560, 14)
     crashes = run(on_track(approach(50, 20, 30) + third), "none").crashes
     assert crashes[["striker", "struck"]].to_numpy().tolist() == [["ego", "lead"], ["third", "ego"]]
     assert crashes["secondary"].tolist() == [False, True]
@@ -58,7 +56,7 @@ def test_left_turn_across_an_e_bike(strategy, tmp_path):
         '<vType id="bike" vClass="bicycle" length="1.8" width="0.7" maxSpeed="5" sigma="0" speedDev="0"/>'
         '<route id="left" edges="si wo"/><route id="on" edges="ni so"/>'
         '<vehicle id="car" type="car" route="left" depart="0" departLane="1" departPos="170" departSpeed="10"/>'
-        '<vehicle id="bike" type="bike" route="on" depart="0" departLane="0" insertionChecks="none" departPos="214" departSpeed="5"/></routes>'
+        '<vehicle id="bike" type="bike" route="on" depart="0" departLane="0" departPos="214" departSpeed="5"/></routes>'
     )
     scenario = Scenario(
         name="w0",

@@ -9,7 +9,7 @@ from aeb_sumo.units import G
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.session import IMPOSED, Session
-from tests.helpers import approach
+from tests.helpers import approach, vehicle
 
 
 def stop(scenario, decel, mu=0.85, tyre=None):
@@ -27,9 +27,7 @@ def stop(scenario, decel, mu=0.85, tyre=None):
             if started is None and n:
                 started = float(traffic.x[0]), float(traffic.speed[0])
             quiet, zeros = np.zeros(n, bool), np.zeros(n)
-            override.drive(
-                erring=quiet, erring_accel=zeros, aeb=np.full(n, decel), wrecked=quiet, wreck_speed=zeros
-            )
+            override.drive(erring=quiet, erring_accel=zeros, aeb=np.full(n, decel), wrecked=quiet, wreck_speed=zeros)
             traffic.release_slots()
             if n and traffic.speed[0] == 0:
                 break
@@ -39,25 +37,23 @@ def stop(scenario, decel, mu=0.85, tyre=None):
 @pytest.mark.parametrize("decel", [1.0, 3.0, 6.0, 8.0])
 @pytest.mark.parametrize("kmh", [20, 50, 100])
 def test_stopping_distance_agrees_with_the_closed_form_within_1_percent(on_track, kmh, decel):
-    vehicle = f'<vehicle id="v" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="600" departSpeed="{kmh / 3.6}"/>'
-    distance, speed, audit = stop(on_track(vehicle), decel)
+    one = vehicle("v", 600, kmh / 3.6)
+    distance, speed, audit = stop(on_track(one), decel)
     assert distance == pytest.approx(speed**2 / (2 * decel), rel=0.01)
     assert audit.violations == 0
     assert audit.commands > 5
 
 
 def test_friction_limits_everyone(on_track):
-    vehicle = '<vehicle id="v" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="600" departSpeed="20"/>'
-    distance, speed, _ = stop(on_track(vehicle), 9.0, mu=0.3)
+    one = vehicle("v", 600, 20)
+    distance, speed, _ = stop(on_track(one), 9.0, mu=0.3)
     assert distance == pytest.approx(speed**2 / (2 * 0.3 * G), rel=0.01)
 
 
 def test_a_driver_who_brakes_harder_is_not_released(on_track):
     """An attentive driver 30 m behind a standing car brakes hard himself; a feeble AEB must not keep him from it."""
-    vehicles = (
-        '<vehicle id="lead" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="640" departSpeed="0">'
-        '<stop lane="track_0" endPos="640" duration="100"/></vehicle>'
-        '<vehicle id="v" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="600" departSpeed="15"/>'
+    vehicles = vehicle("lead", 640, 0, inside='<stop lane="track_0" endPos="640" duration="100"/>') + vehicle(
+        "v", 600, 15
     )
     with Session([*on_track(vehicles).options, *IMPOSED, "--step-length", "0.1"]) as session:
         traffic = Traffic(session.dt)
@@ -79,8 +75,8 @@ def test_a_driver_who_brakes_harder_is_not_released(on_track):
 def test_the_vehicle_is_handed_back_as_it_was(on_track):
     import libsumo
 
-    vehicle = '<vehicle id="v" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="600" departSpeed="15"/>'
-    with Session([*on_track(vehicle).options, *IMPOSED, "--step-length", "0.1"]) as session:
+    one = vehicle("v", 600, 15)
+    with Session([*on_track(one).options, *IMPOSED, "--step-length", "0.1"]) as session:
         traffic = Traffic(session.dt)
         override = Override(traffic, 0.85)
         for step in range(30):

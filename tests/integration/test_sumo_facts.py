@@ -5,9 +5,13 @@ import pytest
 
 import sumo_nets
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
+from tests.helpers import vehicle
 
 TRACK = str(sumo_nets.folder("track") / "track.net.xml")
-TYPES = '<vType id="car" sigma="0" length="4.6" speedDev="0" lcStrategic="-1" lcSpeedGain="0" lcKeepRight="0"/><route id="r" edges="track"/>'
+TYPES = (
+    '<vType id="car" sigma="0" length="4.6" speedDev="0" lcStrategic="-1" lcSpeedGain="0" lcKeepRight="0"/>'
+    '<route id="r" edges="track"/>'
+)
 
 
 @pytest.fixture
@@ -27,7 +31,7 @@ def track(tmp_path):
         session.close()
 
 
-ONE = '<vehicle id="v" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="500" departSpeed="20"/>'
+ONE = vehicle("v", 500, 20)
 
 
 def stop_with_ramp(decel):
@@ -64,7 +68,7 @@ def test_euler_integration_stops_half_a_step_short(track):
 
 
 def test_the_planned_speed_shows_a_driver_who_brakes_harder_than_the_command(track):
-    vehicles = '<vehicle id="l" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="560" departSpeed="0"/>' + ONE
+    vehicles = vehicle("l", 560, 0) + ONE
     track(vehicles)
     libsumo.vehicle.setSpeedMode("l", 32)
     libsumo.vehicle.setSpeed("l", 0)
@@ -81,7 +85,7 @@ def test_the_planned_speed_shows_a_driver_who_brakes_harder_than_the_command(tra
 
 
 def test_get_leader_leaves_out_min_gap(track):
-    vehicles = '<vehicle id="l" type="car" route="r" depart="0" departLane="0" insertionChecks="none" departPos="604.6" departSpeed="20"/>' + ONE
+    vehicles = vehicle("l", 604.6, 20) + ONE
     track(vehicles)
     gap = libsumo.vehicle.getPosition("l")[0] - 4.6 - libsumo.vehicle.getPosition("v")[0]
     leader, reported = libsumo.vehicle.getLeader("v", 200)
@@ -105,14 +109,19 @@ def test_outputs_go_where_they_are_sent(tmp_path):
     source, target = tmp_path / "deep" / "source", tmp_path / "target"
     source.mkdir(parents=True)
     target.mkdir()
-    (source / "a.add.xml").write_text('<additional><e1Detector id="d" lane="track_0" pos="9" period="10" file="d.xml"/></additional>')
+    (source / "a.add.xml").write_text(
+        '<additional><e1Detector id="d" lane="track_0" pos="9" period="10" file="d.xml"/></additional>'
+    )
     (source / "r.rou.xml").write_text(f"<routes>{TYPES}{ONE}</routes>")
     (source / "run.sumocfg").write_text(
-        f'<configuration><net-file value="{TRACK}"/><route-files value="r.rou.xml"/><additional-files value="a.add.xml"/>'
-        '<tripinfo-output value="trips.xml"/><log value="log.txt"/></configuration>'
+        f'<configuration><net-file value="{TRACK}"/><route-files value="r.rou.xml"/>'
+        '<additional-files value="a.add.xml"/><tripinfo-output value="trips.xml"/>'
+        '<log value="log.txt"/></configuration>'
     )
     before = sorted(source.iterdir())
-    with Session(["-c", str(source / "run.sumocfg"), "--output-prefix", output_prefix(str(target), "mine_")]) as session:
+    with Session(
+        ["-c", str(source / "run.sumocfg"), "--output-prefix", output_prefix(str(target), "mine_")]
+    ) as session:
         session.step()
     assert sorted(source.iterdir()) == before
     assert {p.name for p in target.iterdir()} == {"mine_d.xml", "mine_trips.xml", "mine_log.txt"}

@@ -11,7 +11,10 @@ from aeb_sumo.strategies.zhao2025 import _surface, rule_base
 
 def exact(base, x, y):
     """`skfuzzy.control` on the whole rule base: building it takes seconds, so all points go in at once."""
-    inputs = control.Antecedent(np.linspace(*base.x_range, 2001), "x"), control.Antecedent(np.linspace(*base.y_range, 2001), "y")
+    inputs = (
+        control.Antecedent(np.linspace(*base.x_range, 2001), "x"),
+        control.Antecedent(np.linspace(*base.y_range, 2001), "y"),
+    )
     output = control.Consequent(base.universe(), "z")
     for variable, sets in zip(inputs, (base.x_sets, base.y_sets), strict=True):
         for k, (centre, sigma) in enumerate(sets):

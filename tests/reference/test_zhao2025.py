@@ -77,7 +77,7 @@ def test_a_braking_lead_needs_more_distance_than_a_steady_one():
 
 def test_level_2_asks_for_all():
     system = Zhao2025()
-    state, demand = system.step(system.init(1), percept(gap=3.0, ego_speed=15.0), 0.1)
+    _, demand = system.step(system.init(1), percept(gap=3.0, ego_speed=15.0), 0.1)
     assert demand.phase[0] == Phase.FULL_BRAKE
     assert demand.decel[0] == pytest.approx(0.85 * 9.81 - 1)
 
@@ -94,7 +94,7 @@ def test_a_rule_base_of_the_wrong_shape_is_refused():
     parts = {name: getattr(base, name) for name in RuleBase.__dataclass_fields__}
     with pytest.raises(ValueError, match="must be 10 x 9"):
         RuleBase(**parts | {"rules": base.rules[:, :8]})
-    with pytest.raises(ValueError, match="output sets 0..7"):
+    with pytest.raises(ValueError, match="output sets 0"):
         RuleBase(**parts | {"rules": base.rules + 1})
     with pytest.raises(ValueError, match="x_sets must increase"):
         RuleBase(**parts | {"x_sets": base.x_sets[::-1]})

@@ -11,25 +11,30 @@ from aeb_sumo.results import Results
 def data():
     """Two seeds without AEB, two with it: 3 + 1 crashes against 1 + 0, 1,000 km each."""
     runs, crashes, exposure, traffic = [], [], [], []
-    for strategy, counts in (("none", (3, 1)), ("zhao2025", (1, 0))):
-        for seed, count in enumerate(counts):
-            run = f"{strategy}-{seed}"
-            runs.append({"run_id": run, "scenario": "s", "strategy": strategy, "penetration": 1.0, "seed": seed,
-                         "begin_s": 0.0, "end_s": 1800.0, "sumo_collisions": count, "confirmed_by_sumo": count})  # fmt: skip
-            crashes += [{"run_id": run, "kind": "rear_end", "impact_speed_mps": 5.0, "secondary": k > 0}
-                        for k in range(count)]  # fmt: skip
-            exposure.append({"run_id": run, "vclass": "passenger", "equipped": strategy != "none", "vehicles": 10,
-                             "distance_m": 1e6, "time_s": 1e5})  # fmt: skip
-            for begin in (0.0, 900.0):
-                traffic.append({"run_id": run, "begin_s": begin, "end_s": begin + 900, "vclass": "passenger",
-                                "arrived": 50, "pending": 2, "distance_m": 5e5, "time_s": 5e4, "delay_s": 1e3})  # fmt: skip
+    for run, count in (("none-0", 3), ("none-1", 1), ("zhao2025-0", 1), ("zhao2025-1", 0)):
+        strategy, one = run.partition("-")[0], {"run_id": run}
+        runs.append(one | {"scenario": "s", "strategy": strategy, "penetration": 1.0, "begin_s": 0.0, "end_s": 1800.0})
+        runs[-1] |= {"sumo_collisions": count, "confirmed_by_sumo": count}
+        crash = one | {"kind": "rear_end", "impact_speed_mps": 5.0}
+        crashes += [crash | {"secondary": k > 0} for k in range(count)]
+        exposure.append(one | {"vclass": "passenger", "equipped": strategy != "none", "vehicles": 10})
+        exposure[-1] |= {"distance_m": 1e6, "time_s": 1e5}
+        half = one | {"vclass": "passenger", "arrived": 50, "pending": 2}
+        half |= {"distance_m": 5e5, "time_s": 5e4, "delay_s": 1e3}
+        traffic += [half | {"begin_s": 900.0 * k, "end_s": 900.0 * (k + 1)} for k in (0, 1)]
     action = {"run_id": "zhao2025-0", "target_kind": "lead", "max_decel_mps2": 6.0, "speed_reduction_mps": 10.0}
     interventions = [
         action | {"phase": "partial_brake", "trigger_ttc_s": 1.0},
         action | {"phase": "partial_brake", "trigger_ttc_s": np.inf},
         action | {"phase": "warn", "trigger_ttc_s": None},
     ]
-    tables = {"runs": runs, "crashes": crashes, "interventions": interventions, "exposure": exposure, "traffic": traffic}
+    tables = {
+        "runs": runs,
+        "crashes": crashes,
+        "interventions": interventions,
+        "exposure": exposure,
+        "traffic": traffic,
+    }
     return analysis.Dataset.of(Results.of(tables))
 
 
