@@ -75,6 +75,8 @@ def _side_by_side(groups: Mapping[str, Dataset]) -> pd.DataFrame:
     if len(groups) == 2:
         first, second = groups
         frame["difference"] = frame[second] - frame[first]
+        # The ends of two intervals have no difference that means anything.
+        frame.loc[frame.index.get_level_values("figure").str.startswith("  95 %"), "difference"] = np.nan
     return frame
 
 

@@ -42,8 +42,8 @@ class Audit:
 class Override:
     """Who drives which vehicle, and how hard.
 
-    Three can drive: SUMO; a driver in error, with an acceleration of his own; a wreck, sliding to a stop. The AEB brakes
-    on top of SUMO's driver and of one in error, and never takes away from a driver who brakes harder:
+    Three can drive: SUMO; a driver in error, with an acceleration of his own; a wreck, sliding to a stop. The AEB
+    brakes on top of the first two, and never takes away from a driver who brakes harder:
 
         deceleration = max(AEB, driver), at most mu g
 
