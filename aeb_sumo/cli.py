@@ -29,6 +29,7 @@ from aeb_sumo.simulate import run as simulate
 
 __all__ = ["main"]
 
+_LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
 _WIDTH = 110  # of the output where there is no terminal to ask
 
 
@@ -49,7 +50,7 @@ def cli() -> None:
 @click.option("--drivers", help="Errors the drivers make. [default: the scenario's; attentive with --sumocfg]")
 @click.option("--blockage", type=float, default=60.0, show_default=True, help="Seconds that crashed vehicles stand.")
 @click.option("--interval", type=float, default=60.0, show_default=True, help="Seconds per row of table traffic.")
-@click.option("--out", type=click.Path(path_type=Path), help="Folder for the tables. [default: none, only printed]")
+@click.option("--out", help="Folder for the tables. [default: none, only printed]")
 @click.option("--compare", is_flag=True, help="Run the baseline too, same seed, and print both side by side.")
 @click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
 def run(
@@ -57,7 +58,7 @@ def run(
     sumocfg: Path | None,
     strategy: str,
     drivers: str | None,
-    out: Path | None,
+    out: str | None,
     compare: bool,
     quiet: bool,
     **options: Any,
@@ -70,25 +71,25 @@ def run(
     strategies.load(strategy)
     if compare and strategy == "none":
         raise InputError("--compare needs a --strategy other than none, which is what it compares with")
-    if out is not None and (out.exists() and not out.is_dir()):
-        raise InputError(f"--out {out} is a file, not a folder")
-    if out is not None and store.holds_results(out):
-        raise InputError(f"--out {out} already holds results; name a new or empty folder")
+    folder = None if out is None else _new_folder(out)
     console = Console(stderr=True)
     done: list[Results] = []
     with _interruptible() as stop:
         for name in ("none", strategy) if compare else (strategy,):
-            with _folder(out, name) as sumo_output, _progress(console, name, quiet) as progress:
+            with _sumo_folder(folder, name) as sumo_output, _progress(console, name, quiet) as progress:
                 one = simulate(chosen, name, sumo_output=sumo_output, progress=progress, stop=stop, **options)
-            if out is not None:
-                store.write(one, out)
+            if folder is not None:
+                store.write(one, folder)
             done.append(one)
             if one.runs["outcome"].iloc[0] != "completed":
                 break
     if not quiet:
         _print(analysis.summary(analysis.Dataset.of(Results.joined(done))), chosen.name)
-        if out is not None:
-            click.echo(f"Tables in {out}: pandas.read_parquet('{out}/crashes'), or analysis.load('{out}').")
+        if folder is not None:
+            click.echo(f"Tables in {folder}: pandas.read_parquet('{folder}/crashes'), or analysis.load('{folder}').")
+    step = float(done[-1].runs["step_length_s"].iloc[0])
+    if step > _LONG_STEP:
+        click.echo(f"aeb-sumo: note: an AEB that acts every {step:g} s only is not what it was published as", err=True)
     outcome, reason = done[-1].runs[["outcome", "reason"]].iloc[0]
     if outcome == "failed":
         raise InputError(f"{reason} (the tables hold what was simulated until then)")
@@ -135,8 +136,20 @@ def _scenario(name: str | None, sumocfg: Path | None, drivers: str | None) -> sc
     return replace(chosen, errors=PROFILES[drivers])
 
 
+def _new_folder(name: str) -> Path:
+    """The folder for the tables, which must not hold any yet."""
+    folder = Path(name)
+    if not name.strip():
+        raise InputError("--out is empty; name a new or empty folder")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"--out {name} is a file, not a folder")
+    if store.holds_results(folder):
+        raise InputError(f"--out {name} already holds results; name a new or empty folder")
+    return folder
+
+
 @contextmanager
-def _folder(out: Path | None, strategy: str) -> Iterator[Path | None]:
+def _sumo_folder(out: Path | None, strategy: str) -> Iterator[Path | None]:
     """The folder for SUMO's own output files; taken away again when nothing comes of the run."""
     if out is None:
         yield None
@@ -238,7 +251,7 @@ def _cell(value: float, *, whole: bool, sign: bool) -> str:
 def main() -> None:
     """Run the command; bad input gives one line on stderr and exit status 2."""
     try:
-        status = cli.main(standalone_mode=False)
+        status = cli.main(args=sys.argv[1:] or ["--help"], standalone_mode=False)
     except InputError as error:
         _fail(str(error))
     except click.NoSuchOption as error:

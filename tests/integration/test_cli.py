@@ -80,6 +80,7 @@ BAD = [
     (("run", "--sumocfg", "no_routes.sumocfg"), ["nowhere.rou.xml"]),
     (("run", "--sumocfg", "bad_routes.sumocfg"), ["SUMO"]),
     (("run", "track", "--out", "results"), ["results", "already holds results"]),
+    (("run", "track", "--out", ""), ["--out", "empty"]),
     (("run", "track", "--out", "broken.sumocfg"), ["broken.sumocfg", "file"]),
     (("compare", "nothing"), ["nothing", "no results"]),
     (("tables", "nothing"), ["nothing", "crashes"]),
