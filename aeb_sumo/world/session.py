@@ -1,6 +1,7 @@
 """Starting, stepping and stopping SUMO."""
 
 import os
+import re
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -35,13 +36,16 @@ class SumoError(InputError):
     """SUMO refused its input or gave up; the message carries SUMO's own reason."""
 
 
+_TO_ROOT = "../" * 60  # from any folder: above the root is the root
+
+
 def output_prefix(folder: str, own: str = "") -> str:
     """Value of `--output-prefix` that sends every output file of SUMO into `folder` (absolute).
 
     SUMO puts the prefix before the last part of each output's path, so enough `../` lead to the root from wherever the
     configuration or an additional file would have written, and from there to `folder`.
     """
-    return "../" * 60 + folder.strip("/") + "/" + own
+    return _TO_ROOT + folder.strip("/") + "/" + own
 
 
 class Session:
@@ -159,4 +163,5 @@ class Session:
             if line.startswith("Error") and lines[index + 1].startswith(" "):
                 errors.append(lines[index + 1].strip())
         text = "; ".join(dict.fromkeys(e for e in errors if e and not e.startswith("Quitting")))
-        return f"SUMO: {text or error}"
+        # Name an output file as the configuration does, without the detour of `output_prefix`.
+        return "SUMO: " + re.sub(f"{re.escape(_TO_ROOT)}.*/", "", text or str(error))
