@@ -48,7 +48,7 @@ def cli() -> None:
 @click.option("--duration", type=float, help="Simulated seconds. [default: the scenario's]")
 @click.option("--step-length", type=float, help="Seconds. [default: the scenario's, else 0.1]")
 @click.option("--drivers", help="Errors the drivers make. [default: the scenario's; attentive with --sumocfg]")
-@click.option("--blockage", type=float, default=60.0, show_default=True, help="Seconds that crashed vehicles stand.")
+@click.option("--blockage", type=float, help="Seconds that crashed vehicles stand. [default: 60]")
 @click.option("--interval", type=float, default=60.0, show_default=True, help="Seconds per row of table traffic.")
 @click.option("--out", help="Folder for the tables. [default: none, only printed]")
 @click.option("--compare", is_flag=True, help="Run the baseline too, same seed, and print both side by side.")

@@ -68,11 +68,12 @@ class Fleet:
         self._mu = mu
         self._capacity = 0
         self._memory = strategy.init(0)
-        self._brake = brake_init(strategy.brake, 0)
+        self._brake = brake_init(strategy.brake, 0, traffic.dt)
         self.demand = Demand.nothing(0)
         self.equipped: Bools = np.zeros(0, np.bool_)
         self.decel: Floats = np.zeros(0)
         self._last_phase: Ints = np.zeros(0, np.int64)
+        self._aimed: Floats = np.zeros(0)  # serial number of the last target
         self._hold: Floats = np.zeros(0)
         self._lead: Floats = np.zeros(0)  # serial number of the last lead seen
         self._lead_seen: Floats = np.zeros(0)  # for how long [s]
@@ -109,9 +110,10 @@ class Fleet:
         self.demand.decel[:] = 0.0
         targets = self._perceive(rows, turns)
         # The strategy only has work where there is a target, or something to end.
-        unfinished = (self._last_phase[rows] > 0) | (self._brake.decel[rows] > _RELEASED) | (self._hold[rows] > 0)
+        unfinished = (self._last_phase[rows] > 0) | self._working(rows)
         busy = (targets.slot >= 0) | unfinished
         rows, targets = rows[busy], take(targets, busy)
+        self._forget_others(rows, targets)
         self._rows, self._targets = rows, targets
         if not len(rows):
             return
@@ -130,9 +132,22 @@ class Fleet:
         self._last_phase[rows] = demand.phase
         self._apply_brake(rows, demand)
 
+    def _working(self, rows: Ints) -> Bools:
+        """Brakes that are on, hold a standing car, or have something on the way to them."""
+        brake = take(self._brake, rows)
+        result: Bools = (brake.decel > _RELEASED) | (brake.pipe > 0).any(1) | (self._hold[rows] > 0)
+        return result
+
+    def _forget_others(self, rows: Ints, targets: Targets) -> None:
+        """A system that turns to another target starts afresh: what it had latched was about the last one."""
+        serial = np.where(targets.slot >= 0, self._traffic.serial[np.maximum(targets.slot, 0)], 0.0)
+        other = rows[(serial != self._aimed[rows]) & (serial > 0) & (self._aimed[rows] > 0)]
+        put(self._memory, other, self._strategy.init(len(other)))
+        self._aimed[rows] = serial
+
     def _apply_brake(self, rows: Ints, demand: Demand) -> None:
         t, dt, params = self._traffic, self._traffic.dt, self._strategy.brake
-        braking = (demand.decel > 0) | (self._brake.decel[rows] > _RELEASED) | (self._hold[rows] > 0)
+        braking = (demand.decel > 0) | self._working(rows)
         rows, wanted = rows[braking], demand.decel[braking].copy()
         if not len(rows):
             return
@@ -146,9 +161,9 @@ class Fleet:
         put(self._brake, rows, brake)
         decel = np.where(t.speed[rows] > 0, decel, np.where(self._hold[rows] > 0, _HOLDING, 0.0))
         self.decel[rows] = np.where(decel > _RELEASED, decel, 0.0)
-        idle = rows[(self.decel[rows] == 0) & (wanted == 0)]
+        idle = rows[(self.decel[rows] == 0) & (wanted == 0) & ~(self._brake.pipe[rows] > 0).any(1)]
         if len(idle):
-            put(self._brake, idle, brake_init(params, len(idle)))
+            put(self._brake, idle, brake_init(params, len(idle), dt))
 
     def active(self) -> list[tuple[int, Target | None]]:
         """Slots whose AEB warns or brakes in the coming step, with their targets."""
@@ -190,7 +205,7 @@ class Fleet:
             np.where(lead >= 0, t.accel[found] * along, 0.0),
             np.zeros(len(rows), np.bool_),
         )
-        for slot, (other, distance) in self._crossings(turns).items():
+        for slot, (other, distance) in self._crossings(rows, turns).items():
             k = int(np.searchsorted(rows, slot))
             if distance < targets.gap[k]:
                 targets.slot[k], targets.gap[k], targets.crossing[k] = other, distance, True
@@ -221,7 +236,7 @@ class Fleet:
         confirmed = seen & (self._lead_seen[rows] >= self._sensor.confirm - t.dt / 2)
         return np.where(confirmed, lead, -1), np.where(confirmed, gap, np.inf)
 
-    def _crossings(self, turns: list[Turn]) -> dict[int, tuple[int, float]]:
+    def _crossings(self, rows: Ints, turns: list[Turn]) -> dict[int, tuple[int, float]]:
         """Confirmed crossing targets: ego slot -> (other slot, distance along the own path to the crossing [m])."""
         t = self._traffic
         before, self._crossing_seen = self._crossing_seen, {}
@@ -229,10 +244,10 @@ class Fleet:
         for turn in turns:
             by_junction.setdefault(turn.path.junction, []).append(turn)
         pairs, zones = [], []
-        speed, equipped = t.speed.tolist(), self.equipped.tolist()
+        moving = set(rows[t.speed[rows] > 0].tolist())
         for group in by_junction.values():
             for own in group:
-                if not equipped[own.slot] or speed[own.slot] <= 0:
+                if own.slot not in moving:
                     continue
                 for other in group:
                     zone = self._paths.zone(own, other)
@@ -286,21 +301,22 @@ class Fleet:
     def _reset(self, rows: Ints) -> None:
         n = len(rows)
         put(self._memory, rows, self._strategy.init(n))
-        put(self._brake, rows, brake_init(self._strategy.brake, n))
-        for array in (self._hold, self._lead, self._lead_seen, self._last_phase, self.decel):
+        put(self._brake, rows, brake_init(self._strategy.brake, n, self._traffic.dt))
+        for array in (self._aimed, self._hold, self._lead, self._lead_seen, self._last_phase, self.decel):
             array[rows] = 0
 
     def _fit(self) -> None:
         n = self._traffic.capacity
         if n == self._capacity:
             return
-        for name in ("equipped", "decel", "_hold", "_lead", "_lead_seen", "_last_phase"):
+        for name in ("equipped", "decel", "_aimed", "_hold", "_lead", "_lead_seen", "_last_phase"):
             setattr(self, name, fitted(getattr(self, name), n))
         grown_memory, grown_brake, grown_demand = (
-            self._strategy.init(n), brake_init(self._strategy.brake, n), Demand.nothing(n),
+            self._strategy.init(n), brake_init(self._strategy.brake, n, self._traffic.dt), Demand.nothing(n),
         )  # fmt: skip
         old = np.arange(self._capacity)
         put(grown_memory, old, self._memory)
         put(grown_brake, old, self._brake)
+        put(grown_demand, old, self.demand)
         self._memory, self._brake, self.demand = grown_memory, grown_brake, grown_demand
         self._capacity = n

@@ -32,6 +32,8 @@ from aeb_sumo.world.yielding import Yielding
 
 __all__ = ["Progress", "run"]
 
+_BLOCKAGE = 60.0  # s, our assumption
+
 
 @dataclass(frozen=True)
 class Progress:
@@ -52,7 +54,7 @@ def run(
     seed: int | None = None,
     duration: float | None = None,
     step_length: float | None = None,
-    blockage: float = 60.0,
+    blockage: float | None = None,
     interval: float = 60.0,
     sensor: Sensor | None = None,
     sumo_output: Path | None = None,
@@ -68,7 +70,8 @@ def run(
         seed: of SUMO and of the drivers; None for the scenario's.
         duration: [s]; None for the scenario's.
         step_length: [s]; None for the scenario's.
-        blockage: how long crashed vehicles stand before they leave [s]; 60 is our assumption.
+        blockage: how long crashed vehicles stand before they leave [s]; None for 60, our assumption, or for SUMO's
+            time-to-teleport if that is shorter.
         interval: of the rows of table `traffic` [s].
         sensor: what the equipped vehicles see with; None for `Sensor()`.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
@@ -87,7 +90,7 @@ def run(
     for name, value in (("duration", duration), ("step length", step_length), ("interval", interval)):
         if value is not None and not 0 < value < np.inf:
             raise InputError(f"{name} must be a positive number of seconds, not {value:g}")
-    if not 0 <= blockage < np.inf:
+    if blockage is not None and not 0 <= blockage < np.inf:
         raise InputError(f"blockage must be 0 or more seconds, not {blockage:g}")
     step = scenario.step_length if step_length is None else step_length
     number = scenario.seed if seed is None else seed
@@ -102,7 +105,12 @@ def run(
         ]
         with Session(options) as session:
             span = scenario.duration if duration is None else duration
-            one = _Run(session, scenario, brain, penetration, blockage, interval, sensor or Sensor())
+            # SUMO would put a wreck that stands for too long elsewhere.
+            limit = session.time_to_teleport
+            if blockage is not None and blockage > limit:
+                raise InputError(f"blockage {blockage:g} s is longer than SUMO's time-to-teleport of {limit:g} s")
+            stand = min(_BLOCKAGE, limit) if blockage is None else blockage
+            one = _Run(session, scenario, brain, penetration, stand, interval, sensor or Sensor())
             return one.simulate(span, progress, stop)
 
 
@@ -135,14 +143,13 @@ class _Run:
         self._book = TrafficBook(self._traffic, session.begin, interval)
         self._crashes: list[dict[str, Any]] = []
         self._equipped = 0
-        self._away = np.zeros(0, np.bool_)
         self._excused = np.zeros(0, np.bool_)
 
     def simulate(
         self, duration: float | None, progress: Callable[[Progress], None] | None, stop: Callable[[], bool] | None
     ) -> Results:
         begin, dt = self._session.begin, self._session.dt
-        end = self._scenario.end if duration is None else begin + duration
+        end = self._session.end if duration is None else begin + duration
         outcome, reason = "completed", ""
         while (end is None and not self._session.exhausted) or (end is not None and self._session.time < end - dt / 2):
             try:
@@ -171,6 +178,8 @@ class _Run:
         t, time = self._traffic, self._session.time
         t.observe()
         self._override.verify()
+        self._lapses.fit(t.capacity)
+        self._excused = fitted(self._excused, t.capacity)
         self._comings_and_goings(time)
         for crash in self._wrecks.step(time):
             self._book_crash(crash)
@@ -200,7 +209,7 @@ class _Run:
             self._fleet.leave(slot)
             self._lapses.leave(slot, vehicle)
             self._interventions.close(vehicle, "left")
-            if vehicle not in self._wrecks.removed:
+            if vehicle in t.arrived and vehicle not in self._wrecks.removed:
                 self._book.arrive(slot)
         for slot in t.departed:
             vehicle, vclass = t.ids[slot], t.vclass[slot]
@@ -222,11 +231,10 @@ class _Run:
         """
         t = self._traffic
         self._lapses.advance(time)
-        erring, accel, away = self._lapses.erring(t.capacity)
-        was, self._away = fitted(self._away, t.capacity), away.copy()
-        self._excused = fitted(self._excused, t.capacity) & away
-        for slot in np.flatnonzero(away & ~was & t.here):
-            self._excused[slot] = demanding(t, int(slot))
+        erring, accel, away = self._lapses.erring()
+        self._excused &= away
+        for slot in self._lapses.looked_away:
+            self._excused[slot] = t.here[slot] and demanding(t, slot)
         return erring & ~self._excused, accel
 
     def _error(self, slot: int, other: int | None = None) -> str:
@@ -266,8 +274,8 @@ class _Run:
                 "striker_aeb_phase": int(self._fleet.demand.phase[hit.striker]),
             }
         )
-        for vehicle in (crash.striker, crash.struck):
-            self._interventions.close(vehicle, "crash")
+        self._interventions.close(crash.striker, "crash", hit.striker_speed)
+        self._interventions.close(crash.struck, "crash", hit.struck_speed)
 
     def _book_action(self, time: float, slot: int, target: Target | None) -> None:
         t, vehicle = self._traffic, self._traffic.ids[slot]
@@ -277,7 +285,7 @@ class _Run:
             t.vclass[slot],
             Action(
                 phase=int(self._fleet.demand.phase[slot]),
-                decel=float(self._fleet.decel[slot]),
+                decel=float(self._fleet.decel[slot]) if t.speed[slot] > 0 else 0.0,
                 speed=float(t.speed[slot]),
                 target=t.ids[target.slot] if target else "",
                 target_vclass=t.vclass[target.slot] if target else "",

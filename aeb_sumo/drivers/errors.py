@@ -1,7 +1,8 @@
 """The error layer: who errs when, and what they do meanwhile.
 
-A driver's errors are fixed by the seed and his own name, on his own clock from departure; the AEB, other vehicles and
-the state of traffic change none of them.
+What a driver draws is fixed by the seed and his own name, on his own clock from departure; the AEB, other vehicles and
+the state of traffic change no draw. Whether a drawn glance takes place depends on the moment: see
+`aeb_sumo.world.surroundings.demanding`.
 """
 
 from collections.abc import Iterator
@@ -159,6 +160,7 @@ class Lapses:
         kinds: the errors that are lapses, in order of precedence: the first that is on decides what a driver does.
         on: (slots, kinds) which lapses are on now.
         accel: (slots, kinds) what the driver does in them [m/s2].
+        looked_away: slots of those whose glance began with the last `advance`.
     """
 
     def __init__(self, errors: Errors, seed: int) -> None:
@@ -168,6 +170,7 @@ class Lapses:
         self._count = 0
         self._streams: dict[str, list[Iterator[Lapse]]] = {}
         self._departed: dict[str, float] = {}
+        self.looked_away: list[int] = []
         self.on: Bools = np.zeros((0, len(self.kinds)), np.bool_)
         self.accel: Floats = np.zeros((0, len(self.kinds)))
 
@@ -175,7 +178,7 @@ class Lapses:
         """A driver who may err begins his trip."""
         if not self.kinds:
             return
-        self.on, self.accel = fitted(self.on, slot + 1), fitted(self.accel, slot + 1)
+        self.fit(slot + 1)
         self._departed[vehicle] = time
         self._streams[vehicle] = [k.lapses(stream(self._seed, k.name, vehicle)) for k in self.kinds]
         for kind in range(len(self.kinds)):
@@ -189,6 +192,7 @@ class Lapses:
 
     def advance(self, time: float) -> None:
         """Bring `on` and `accel` to `time` [s]."""
+        self.looked_away = []
         while self._heap and self._heap[0].time <= time:
             event = heappop(self._heap)
             if event.vehicle not in self._departed:
@@ -196,13 +200,19 @@ class Lapses:
             self.on[event.slot, event.kind] = event.starts
             if event.starts:
                 self.accel[event.slot, event.kind] = event.lapse.accel
+                if self.kinds[event.kind].name == Glances.name:
+                    self.looked_away.append(event.slot)
                 self._push(event.lapse.end, event, starts=False)
             else:
                 self._next(event.slot, event.vehicle, event.kind)
 
-    def erring(self, size: int) -> tuple[Bools, Floats, Bools]:
-        """Per slot, up to `size`: in a lapse; acceleration in it [m/s2]; looking away and nothing else."""
+    def fit(self, size: int) -> None:
+        """Make room for `size` slots."""
         self.on, self.accel = fitted(self.on, size), fitted(self.accel, size)
+
+    def erring(self) -> tuple[Bools, Floats, Bools]:
+        """Per slot: in a lapse; acceleration in it [m/s2]; looking away and nothing else."""
+        size = len(self.on)
         if not self.kinds:
             return np.zeros(size, np.bool_), np.zeros(size), np.zeros(size, np.bool_)
         first = self.on.argmax(1)

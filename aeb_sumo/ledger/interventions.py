@@ -117,14 +117,15 @@ class Interventions:
         for vehicle in [v for v, entry in self._open.items() if time - entry.last > PAUSE]:
             self.close(vehicle, "released")
 
-    def close(self, vehicle: str, why: str) -> None:
-        """End a vehicle's intervention, if it has one."""
+    def close(self, vehicle: str, why: str, speed: float = np.inf) -> None:
+        """End a vehicle's intervention, if it has one, at a `speed` [m/s] that may be lower than any booked so far."""
         entry = self._open.pop(vehicle, None)
         if entry is None:
             return
         if why == "released" and entry.braking_from is not None and entry.lowest == 0:
             why = "standstill"
         row = entry.row
+        entry.lowest = min(entry.lowest, speed)
         row["intervention_id"] = len(self.rows)
         row["phase"] = Phase(row["phase"]).name.lower()
         row["end_s"] = entry.last

@@ -6,7 +6,7 @@ import numpy as np
 
 from aeb_sumo.soa import Bools, Ints, fitted
 from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.surroundings import allowed_speeds, pending
+from aeb_sumo.world.surroundings import lost, pending
 
 __all__ = ["TrafficBook"]
 
@@ -63,8 +63,7 @@ class TrafficBook:
             ):
                 np.add(book, np.bincount(group, weights, n), out=book)
             if time - self._sampled >= _SAMPLE - t.dt / 2:
-                lost = 1 - t.speed[rows] / np.maximum(allowed_speeds(t), 0.1)
-                self._current[:, 4] += np.bincount(group, np.maximum(lost, 0.0) * (time - self._sampled), n)
+                self._current[:, 4] += np.bincount(group, lost(t) * (time - self._sampled), n)
                 self._sampled = time
         else:
             self._sampled = time

@@ -164,7 +164,12 @@ _TRAFFIC = _table(
     ("distance_m", "float64", "m", "distance driven"),
     ("time_s", "float64", "s", "time on the road"),
     ("speed_mps", "float64", "m/s", "space-mean speed: distance by time; null without vehicles"),
-    ("delay_s", "float64", "s", "time lost against driving at the allowed speed, sampled once per second"),
+    (
+        "delay_s",
+        "float64",
+        "s",
+        "time lost against driving at the allowed speed, sampled once per second; scheduled stops do not count",
+    ),
 )
 
 TABLES: dict[str, Table] = {t.name: t for t in (_RUNS, _CRASHES, _INTERVENTIONS, _EXPOSURE, _TRAFFIC)}

@@ -98,4 +98,6 @@ def read(folder: str | Path) -> Results:
                 raise InputError(f"{path} has another schema than table {name!r} of this version")
             parts.append(part)
         tables[name] = pa.concat_tables([schema.empty_table(), *parts])
+    if not tables["runs"].num_rows:
+        raise InputError(f"no runs in {folder}: its table runs is missing or empty")
     return Results(tables)

@@ -19,8 +19,7 @@ class Scenario:
         mu: friction coefficient of the road; 0.85 dry asphalt, from another source (Zhao et al. 2025, 3.1).
         seed: of SUMO and of the drivers; None leaves SUMO's own default or what `options` say.
         step_length: [s]; None leaves it to `options`.
-        duration: [s]; None runs until `end`, or until all vehicles have arrived.
-        end: simulated time at which the scenario ends of itself [s]; None for no such time.
+        duration: [s]; None runs until the end that `options` set, or until all vehicles have arrived.
         output_prefix: what the scenario puts before the names of SUMO's own output files.
     """
 
@@ -31,7 +30,6 @@ class Scenario:
     seed: int | None = 1
     step_length: float | None = 0.1
     duration: float | None = 600.0
-    end: float | None = None
     output_prefix: str = ""
 
 

@@ -22,10 +22,9 @@ def from_sumocfg(path: str | Path, errors: Errors | None = None) -> Scenario:
         errors: what its drivers do wrong; None for nothing that SUMO's own drivers would not.
 
     Raises:
-        InputError: the file is missing, is no configuration, or says something that is no number where one must be.
+        InputError: the file is missing or is no configuration, or a file that it names is not well-formed.
     """
     config = read(path)
-    begin, end = config.number("begin") or 0.0, config.number("end")
     return Scenario(
         name=str(path),
         options=("--configuration-file", str(config.path)),
@@ -33,7 +32,5 @@ def from_sumocfg(path: str | Path, errors: Errors | None = None) -> Scenario:
         seed=None,
         step_length=None if "step-length" in config.options else _STEP_LENGTH,
         duration=None,
-        # SUMO reads a negative end, its default, as "no end".
-        end=end if end is not None and end > begin else None,
         output_prefix=config.options.get("output-prefix", ""),
     )

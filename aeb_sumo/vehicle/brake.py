@@ -42,10 +42,9 @@ class BrakeParams:
         """The gains in use."""
         return self.pid or PidParams.for_plant(lag=self.lag, dead_time=self.dead_time)
 
-    @property
-    def delay_steps(self) -> int:
-        """Length of the dead time in substeps."""
-        return round(self.dead_time / self.substep)
+    def substeps(self, dt: float) -> int:
+        """Substeps of a step of `dt` [s]."""
+        return max(1, round(dt / self.substep))
 
 
 @dataclass(frozen=True)
@@ -64,10 +63,11 @@ class BrakeState:
     error: Floats
 
 
-def brake_init(params: BrakeParams, n: int) -> BrakeState:
-    """State of `n` released brakes."""
+def brake_init(params: BrakeParams, n: int, dt: float) -> BrakeState:
+    """State of `n` released brakes, for steps of `dt` [s]."""
     pid = pid_init(n)
-    return BrakeState(np.zeros(n), np.zeros((n, params.delay_steps)), pid.integral, pid.error)
+    delay = round(params.dead_time / (dt / params.substeps(dt)))
+    return BrakeState(np.zeros(n), np.zeros((n, delay)), pid.integral, pid.error)
 
 
 def brake_step(
@@ -80,12 +80,12 @@ def brake_step(
         state: (n,) memory.
         demand: (n,) demanded deceleration, >= 0 [m/s2], constant over the step.
         mu: (n,) friction coefficient of the road; the deceleration never exceeds `mu g`.
-        dt: step [s].
+        dt: step [s], that of `brake_init`.
 
     Returns:
         The new state and the (n,) mean deceleration over the step [m/s2]: `dt` times it is the loss of speed.
     """
-    substeps = max(1, round(dt / params.substep))
+    substeps = params.substeps(dt)
     h = dt / substeps
     limit = mu * G
     demand = np.minimum(demand, limit)

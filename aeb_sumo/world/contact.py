@@ -174,7 +174,6 @@ class Impact:
         striker_speed, struck_speed: at the instant [m/s].
         impact_speed: magnitude of the relative velocity [m/s].
         striker_delta_v, struck_delta_v: change of velocity if both go on together (plastic, central) [m/s].
-        striker_after, struck_after: speed along the own heading after that, >= 0 [m/s].
         approach: speed at which the touching surfaces approach each other [m/s]; not positive is no impact.
         at_rear: the struck vehicle's rear bumper is at the impact point.
         angle: between the headings, 0 to pi [rad].
@@ -190,8 +189,6 @@ class Impact:
     impact_speed: float
     striker_delta_v: float
     struck_delta_v: float
-    striker_after: float
-    struck_after: float
     approach: float
     at_rear: bool
     angle: float
@@ -205,10 +202,13 @@ def impact(t: Traffic, pair: Ints, when: float, end_of_step: float) -> Impact:
     velocity = direction * speed[:, None]
 
     a, b = (Boxes(*(np.array([getattr(boxes, f)[i]]) for f in Boxes.__dataclass_fields__)) for i in (0, 1))
-    axis = int(_axes_gaps(a, b)[0].argmax())
-    owner = boxes.ux[axis // 2], boxes.uy[axis // 2]
-    normal = np.array(owner if axis % 2 == 0 else (-owner[1], owner[0]))
     between = np.array([boxes.cx[1] - boxes.cx[0], boxes.cy[1] - boxes.cy[0]])
+    if jumped(t, pair).any():  # deep inside each other from the first: the axis of least depth means nothing
+        normal = between / max(float(np.hypot(*between)), 1e-9)
+    else:
+        axis = int(_axes_gaps(a, b)[0].argmax())
+        owner = boxes.ux[axis // 2], boxes.uy[axis // 2]
+        normal = np.array(owner if axis % 2 == 0 else (-owner[1], owner[0]))
     normal = normal if normal @ between >= 0 else -normal  # from the first to the second
 
     point = _middle_of_overlap(boxes)
@@ -220,7 +220,6 @@ def impact(t: Traffic, pair: Ints, when: float, end_of_step: float) -> Impact:
 
     common = (t.mass[pair] @ velocity) / t.mass[pair].sum()
     delta_v = np.hypot(*(common - velocity).T)
-    after = np.maximum(direction @ common, 0.0)
     return Impact(
         time=end_of_step - (1 - when) * t.dt,
         x=float(point[0]),
@@ -232,8 +231,6 @@ def impact(t: Traffic, pair: Ints, when: float, end_of_step: float) -> Impact:
         impact_speed=float(np.hypot(*(velocity[0] - velocity[1]))),
         striker_delta_v=float(delta_v[first]),
         struck_delta_v=float(delta_v[other]),
-        striker_after=float(after[first]),
-        struck_after=float(after[other]),
         approach=float(brings.sum()),
         at_rear=bool(local[other] <= -boxes.half_length[other] + _FACE),
         angle=float(np.arccos(np.clip(direction[0] @ direction[1], -1.0, 1.0))),

@@ -43,6 +43,7 @@ class Traffic:
         slot: vehicle id -> slot.
         present: slots of the vehicles on the network now, in the order of SUMO's list.
         departed, left: slots of vehicles that came and (slots, ids) that went with the last step.
+        arrived: ids of vehicles that reached their destination with the last step; others that left were taken away.
         x, y: centre of the front bumper [m].
         heading: mathematical angle [rad], 0 along +x, counter-clockwise.
         speed, accel: [m/s], [m/s2]; the acceleration is that of the last step.
@@ -82,6 +83,7 @@ class Traffic:
         self.present: Ints = np.zeros(0, np.int64)
         self.departed: list[int] = []
         self.left: list[tuple[int, str]] = []
+        self.arrived: frozenset[str] = frozenset()
         self.teleports = 0
         self.inserted = 0
         self._free: list[int] = []
@@ -131,6 +133,7 @@ class Traffic:
         gone = [v for v in self._listed if v not in now]
         if gone or self._away:
             teleporting = set(libsumo.vehicle.getTeleportingIDList())
+            self.arrived = frozenset(libsumo.simulation.getArrivedIDList())
             for vehicle in [*gone, *sorted(self._away)]:
                 self.here[self.slot[vehicle]] = False
                 if vehicle not in teleporting and vehicle not in now:

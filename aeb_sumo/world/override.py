@@ -21,7 +21,7 @@ _EXECUTE_AND_PLAN = 24
 _EXECUTE_BLINDLY = 32
 """Execute the commanded speed; the driver sees nothing."""
 
-_PEDAL_RELEASE = 20.0  # m/s3, how fast a driver's foot leaves the brake, our assumption
+_PEDAL_RELEASE = 3.0  # m/s3, how fast a foot that may be off the brake is taken to leave it, our assumption
 
 
 @dataclass
@@ -46,6 +46,8 @@ class Override:
     brakes on top of the first two, and never takes away from a driver who brakes harder:
 
         deceleration = max(AEB, driver), at most mu g
+
+    What SUMO's driver wants is known one step late, and to within 3 m/s3 times the step (see `_sumo_driver`).
 
     Call `drive` once per step, and `verify` after the next.
     """
@@ -116,7 +118,8 @@ class Override:
 
         A vehicle not yet taken shows it by what it did. For one under command, SUMO says what speed its driver would
         have chosen, but never more than the command: below the command he brakes harder, and by that much; at the
-        command his foot may be anywhere up to it, so it comes off the pedal at a finite rate.
+        command his foot may be anywhere up to it, so it comes off the pedal slowly, until the command is less than he
+        wants and he shows again.
         """
         t = self._traffic
         for k, slot in enumerate(rows.tolist()):

@@ -106,17 +106,18 @@ class Paths:
         return self._zones[key]
 
     def _path_from(self, vehicle: str, lane: str) -> Path | None:
-        """The path on from a lane before a junction; None behind the last one, and when met in the middle of one."""
-        if not lane or lane.startswith(":"):
-            return None
+        """The path on from a lane: through the next junction, or the one that the lane is inside of; None if none."""
         edges, at = libsumo.vehicle.getRoute(vehicle), libsumo.vehicle.getRouteIndex(vehicle)
-        if at + 1 >= len(edges):
+        if not lane or at < 0 or at + 1 >= len(edges):
             return None
-        for link in self._network.links(lane):
-            if self._network.edge(link.to) == edges[at + 1]:
-                if (lane, link) not in self._known:
-                    self._known[lane, link] = self._build(lane, link)
-                return self._known[lane, link]
+        # While a vehicle is inside a junction, its current edge is still the one before it.
+        inside = lane.startswith(":")
+        for approach in self._network.lanes(edges[at]) if inside else (lane,):
+            for link in self._network.links(approach):
+                if lane in link.via if inside else self._network.edge(link.to) == edges[at + 1]:
+                    if (approach, link) not in self._known:
+                        self._known[approach, link] = self._build(approach, link)
+                    return self._known[approach, link]
         return None
 
     def _build(self, lane: str, link: Link) -> Path:

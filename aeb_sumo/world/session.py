@@ -6,6 +6,7 @@ import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from types import TracebackType
 from typing import ClassVar, Self
 
@@ -28,8 +29,13 @@ IMPOSED: tuple[str, ...] = (
     "--duration-log.disable", "true",
     # A GUI's settings are of no use here, and a missing file of them stops SUMO.
     "--gui-settings-file", "",
+    # A port in the configuration would make SUMO wait for a client.
+    "--remote-port", "0",
 )  # fmt: skip
 """SUMO options that every run sets, over those of a user's own configuration."""
+
+
+_REFUSALS = (libsumo.TraCIException, libsumo.FatalTraCIError)
 
 
 class SumoError(InputError):
@@ -43,9 +49,15 @@ def output_prefix(folder: str, own: str = "") -> str:
     """Value of `--output-prefix` that sends every output file of SUMO into `folder` (absolute).
 
     SUMO puts the prefix before the last part of each output's path, so enough `../` lead to the root from wherever the
-    configuration or an additional file would have written, and from there to `folder`.
+    configuration or an additional file would have written, and from there to `folder`. Two outputs of the same name in
+    different folders become one.
+
+    Raises:
+        InputError: the folder's path has "TIME" in it, which SUMO would replace by the time of day.
     """
-    return _TO_ROOT + folder.strip("/") + "/" + own
+    if "TIME" in folder:
+        raise InputError(f"{folder}: SUMO cannot write into a folder with TIME in its path; name another")
+    return _TO_ROOT + folder.strip("/") + "/" + Path(own).name
 
 
 class Session:
@@ -71,13 +83,16 @@ class Session:
         try:
             with self._silenced():
                 libsumo.start(["sumo", *options])
-        except libsumo.TraCIException as error:
+            self.dt: float = libsumo.simulation.getDeltaT()
+            self.begin: float = libsumo.simulation.getTime()
+        except _REFUSALS as error:
             reason = self._reason(error)
             self._messages.close()
             raise SumoError(reason) from None
         Session._running = True
-        self.dt: float = libsumo.simulation.getDeltaT()
-        self.begin: float = libsumo.simulation.getTime()
+        if libsumo.simulation.getOption("mesosim") == "true":
+            self.close()
+            raise InputError("mesosim is true: a mesoscopic simulation has no gaps between vehicles for an AEB to see")
 
     def __enter__(self) -> Self:
         return self
@@ -105,7 +120,7 @@ class Session:
         try:
             with self._silenced():
                 libsumo.simulationStep()
-        except libsumo.TraCIException as error:
+        except _REFUSALS as error:
             raise SumoError(self._reason(error)) from None
 
     @property
@@ -118,6 +133,18 @@ class Session:
     def seed(self) -> int:
         """SUMO's random seed."""
         return int(libsumo.simulation.getOption("seed"))
+
+    @property
+    def end(self) -> float | None:
+        """Simulated time at which the scenario ends by its own options [s]; None for no such time."""
+        end = float(libsumo.simulation.getEndTime())
+        return end if end > self.begin else None
+
+    @property
+    def time_to_teleport(self) -> float:
+        """How long a vehicle stands before SUMO puts it elsewhere [s]; `inf` for never."""
+        seconds = float(libsumo.simulation.getOption("time-to-teleport"))
+        return seconds if seconds > 0 else float("inf")
 
     @property
     def sublane(self) -> bool:

@@ -1,6 +1,7 @@
 """What a .sumocfg says, before SUMO reads it."""
 
 import gzip
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -9,6 +10,12 @@ from xml.parsers import expat
 from aeb_sumo.errors import InputError
 
 __all__ = ["SumoConfig", "read"]
+
+_SYNONYMS = {
+    "n": "net-file", "net": "net-file", "r": "route-files", "routes": "route-files", "a": "additional-files",
+    "additional": "additional-files",
+}  # fmt: skip
+"""Other names that SUMO takes for the options that matter here."""
 
 
 @dataclass(frozen=True)
@@ -23,19 +30,6 @@ class SumoConfig:
     path: Path
     options: dict[str, str]
 
-    def number(self, option: str) -> float | None:
-        """An option's value as a number: seconds, or `H:M:S` and `D:H:M:S`; None when it is not set."""
-        text = self.options.get(option)
-        if text is None:
-            return None
-        try:
-            seconds = 0.0
-            for part, size in zip(reversed(text.split(":")), (1, 60, 3600, 86400), strict=False):
-                seconds += float(part) * size
-        except ValueError:
-            raise InputError(f"{self.path}: {option} is {text!r}, which is not a number or a time") from None
-        return seconds
-
 
 def read(path: str | Path) -> SumoConfig:
     """Read a .sumocfg.
@@ -44,24 +38,27 @@ def read(path: str | Path) -> SumoConfig:
         InputError: the file is missing or is not a SUMO configuration, or a net, route or additional file that it
             names is not well-formed.
     """
-    path = Path(path)
+    path = Path(path).absolute()  # a link stays one: SUMO looks for the other files beside it
     if not path.is_file():
         raise InputError(f"no such SUMO configuration: {path}")
     try:
         root = ElementTree.parse(path).getroot()  # noqa: S314 - the user's own file, which SUMO reads next
     except ElementTree.ParseError as error:
         raise InputError(f"{path} is not well-formed XML: {error}") from None
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}") from None
     # The root is <configuration> or <sumoConfiguration>; options stand in sections or directly below it.
     if not root.tag.lower().endswith("configuration"):
         raise InputError(f"{path} is not a SUMO configuration: its root is <{root.tag}>")
-    options = {
-        element.tag: value for element in root.iter() if (value := element.get("value", element.get("v"))) is not None
-    }
-    config = SumoConfig(path.resolve(), options)
+    options = {}
+    for element in root.iter():
+        value = element.get("value", element.get("v", element.text if not len(element) else None))
+        if value is not None and value.strip():
+            options[_SYNONYMS.get(element.tag, element.tag)] = value.strip()
     for option in ("net-file", "route-files", "additional-files"):
         for name in filter(None, (part.strip() for part in options.get(option, "").split(","))):
-            _check_well_formed(config.path.parent / name)
-    return config
+            _check_well_formed(path.parent / name)
+    return SumoConfig(path, options)
 
 
 def _check_well_formed(path: Path) -> None:
@@ -72,7 +69,9 @@ def _check_well_formed(path: Path) -> None:
     if not path.is_file():
         return
     try:
-        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+        with path.open("rb") as file:
+            packed = file.read(2) == b"\x1f\x8b"
+        with gzip.open(path) if packed else path.open("rb") as file:
             expat.ParserCreate().ParseFile(file)
-    except (expat.ExpatError, OSError) as error:
+    except (expat.ExpatError, OSError, EOFError, zlib.error) as error:
         raise InputError(f"{path} is not well-formed XML: {error}") from None

@@ -6,7 +6,7 @@ import numpy as np
 from aeb_sumo.soa import Floats, Ints
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["allowed_speeds", "demanding", "leaders", "overlook", "pending"]
+__all__ = ["demanding", "leaders", "lost", "overlook", "pending"]
 
 _IGNORE_IDS = "junctionModel.ignoreIDs"
 
@@ -55,11 +55,20 @@ def overlook(vehicle: str, others: set[str]) -> None:
     libsumo.vehicle.setParameter(vehicle, _IGNORE_IDS, " ".join(sorted(others)))
 
 
-def allowed_speeds(t: Traffic) -> Floats:
-    """What each vehicle present would drive if it were alone on its lane [m/s]."""
-    allowed, fastest = libsumo.vehicle.getAllowedSpeed, libsumo.vehicle.getMaxSpeed
-    ids = [t.ids[slot] for slot in t.present.tolist()]
-    return np.array([min(allowed(v), fastest(v)) for v in ids])
+def lost(t: Traffic) -> Floats:
+    """Share of the present moment that each vehicle present loses, 0 to 1.
+
+    Against driving at the speed it would drive if it were alone on its lane; who stops on schedule loses nothing.
+    """
+    allowed, fastest, stopped = (
+        libsumo.vehicle.getAllowedSpeed, libsumo.vehicle.getMaxSpeed, libsumo.vehicle.isStopped,
+    )  # fmt: skip
+    shares = np.zeros(len(t.present))
+    for k, slot in enumerate(t.present.tolist()):
+        vehicle, speed = t.ids[slot], t.speed[slot]
+        if speed > 0.1 or not stopped(vehicle):
+            shares[k] = max(0.0, 1 - speed / max(min(allowed(vehicle), fastest(vehicle)), 0.1))
+    return shares
 
 
 def pending() -> dict[str, int]:

@@ -77,6 +77,7 @@ class Wrecks:
     removed: set[str] = field(default_factory=set)
     wrecked: Bools = field(default_factory=lambda: np.zeros(0, np.bool_))
     speed: Floats = field(default_factory=lambda: np.zeros(0))
+    _pile: dict[str, set[str]] = field(default_factory=dict)  # wreck -> all wrecks it has touched, directly or not
     _until: dict[str, float] = field(default_factory=dict)
 
     def step(self, time: float) -> list[Crash]:
@@ -86,8 +87,11 @@ class Wrecks:
         for slot, vehicle in t.left:
             self.wrecked[slot] = False
             self._until.pop(vehicle, None)
+            self._pile.pop(vehicle, None)
         for collision in libsumo.simulation.getCollisions():
-            self.reported.setdefault(_pair(collision.collider, collision.victim), time)
+            pair = _pair(collision.collider, collision.victim)
+            if all(vehicle in t.slot for vehicle in pair):  # SUMO reports persons as well
+                self.reported.setdefault(pair, time)
         new = []
         pairs, instants = touching(t)
         for k in np.argsort(instants, kind="stable"):
@@ -106,19 +110,34 @@ class Wrecks:
         pair = _pair(striker, struck)
         if hit.approach <= 0:
             return None
-        places = [self._place(v) for v in (striker, struck)]
-        if not self._related(places[0].lanes, places[1].lanes) or any(
-            libsumo.vehicle.isStoppedParking(v) for v in (striker, struck)
-        ):
+        # Who parks is beside the road, and on no lane.
+        parked = any(libsumo.vehicle.isStoppedParking(v) for v in (striker, struck))
+        places = [] if parked else [self._place(v) for v in (striker, struck)]
+        if parked or not self._related(places[0].lanes, places[1].lanes):
             self.dismissed.add(pair)
             return None
         secondary = bool(self.wrecked[hit.striker] or self.wrecked[hit.struck])
         self.crashed.add(pair)
-        for slot, vehicle, after in ((hit.striker, striker, hit.striker_after), (hit.struck, struck, hit.struck_after)):
+        for slot, vehicle, speed in ((hit.striker, striker, hit.striker_speed), (hit.struck, struck, hit.struck_speed)):
+            self.speed[slot] = self.speed[slot] if self.wrecked[slot] else speed
             self.wrecked[slot] = True
-            self.speed[slot] = after
             self._until[vehicle] = hit.time + self.blockage
+        self._slide_together(pair)
         return Crash(hit, self._kind(hit, places), striker, struck, places[1].lanes[0], secondary)
+
+    def _slide_together(self, pair: tuple[str, str]) -> None:
+        """All wrecks of a pile-up go on with their common momentum: none passes through another."""
+        t = self.traffic
+        self._pile[pair[0]] = self._pile[pair[1]] = {
+            vehicle for one in pair for vehicle in self._pile.get(one, {one}) if vehicle in t.slot
+        }
+        for vehicle in self._pile[pair[0]]:
+            self._pile[vehicle] = self._pile[pair[0]]
+        slots = np.array(sorted(t.slot[vehicle] for vehicle in self._pile[pair[0]]))
+        heading = np.column_stack([np.cos(t.heading[slots]), np.sin(t.heading[slots])])
+        mass = t.mass[slots]
+        common = (mass * self.speed[slots]) @ heading / mass.sum()
+        self.speed[slots] = np.maximum(heading @ common, 0.0)
 
     def _kind(self, hit: Impact, places: list[_Place]) -> str:
         headings = [

@@ -59,7 +59,7 @@ def test_separation_is_symmetric_and_agrees_with_sampled_points(a, b):
 @given(st.lists(st.floats(0, 15), min_size=1, max_size=30), st.floats(0.1, 1.2), st.floats(0, 0.3))
 def test_the_brake_never_exceeds_friction_and_never_pushes(demands, mu, dead_time):
     params = BrakeParams(dead_time=dead_time)
-    state = brake_init(params, 1)
+    state = brake_init(params, 1, 0.1)
     for demand in demands:
         state, decel = brake_step(params, state, demand=np.array([demand]), mu=np.array([mu]), dt=0.1)
         assert 0 <= decel[0] <= mu * G + 1e-9

@@ -7,7 +7,7 @@ from aeb_sumo.vehicle.lower_controller import PidParams, pid_init, pid_step
 
 
 def respond(params, demand, steps, dt=0.01, mu=0.85):
-    state, out = brake_init(params, 1), []
+    state, out = brake_init(params, 1, dt), []
     for _ in range(steps):
         state, decel = brake_step(params, state, demand=np.array([demand]), mu=np.array([mu]), dt=dt)
         out.append(decel[0])

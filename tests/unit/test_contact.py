@@ -55,7 +55,6 @@ def test_rear_end_contact_is_interpolated_inside_the_step():
     assert hit.impact_speed == pytest.approx(15)
     assert hit.x == pytest.approx(100, abs=0.05)
     assert hit.striker_delta_v == pytest.approx(7.5)
-    assert hit.struck_after == pytest.approx(7.5)
 
 
 def test_speed_at_contact_is_interpolated():

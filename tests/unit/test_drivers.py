@@ -29,21 +29,21 @@ def test_lapses_come_and_go_on_the_drivers_own_clock():
     expected = next(HardBraking(every=5.0, decel=4.0, duration=1.0).lapses(stream(1, "hard_braking", "v")))
     lapses.depart(0, "v", 100.0)
     lapses.advance(100.0 + expected.start - 0.01)
-    assert not lapses.erring(1)[0][0]
+    assert not lapses.erring()[0][0]
     lapses.advance(100.0 + expected.start + 0.01)
-    erring, accel, away = lapses.erring(1)
+    erring, accel, away = lapses.erring()
     assert (erring[0], accel[0], away[0]) == (True, -4.0, False)
     assert lapses.name(0) == "hard_braking"
     lapses.leave(0, "v")
     lapses.advance(1e4)
-    assert not lapses.erring(1)[0][0]
+    assert not lapses.erring()[0][0]
 
 
 def test_the_first_kind_wins():
     lapses = Lapses(Errors(hard_braking=HardBraking(every=1e-3), robots=Robots()), seed=1)
     lapses.depart(0, "v", 0.0)
     lapses.advance(1.0)
-    assert lapses.erring(1)[1][0] == -6.0
+    assert lapses.erring()[1][0] == -6.0
 
 
 def test_failure_to_yield_is_one_draw_per_turn():
