@@ -191,4 +191,4 @@ class Session:
                 errors.append(lines[index + 1].strip())
         text = "; ".join(dict.fromkeys(e for e in errors if e and not e.startswith("Quitting")))
         # Name an output file as the configuration does, without the detour of `output_prefix`.
-        return "SUMO: " + re.sub(f"{re.escape(_TO_ROOT)}.*/", "", text or str(error))
+        return "SUMO: " + re.sub(f"{re.escape(_TO_ROOT)}.*/", "", " ".join((text or str(error)).split()))
