@@ -101,13 +101,18 @@ def run(
 @click.argument("other", type=click.Path(path_type=Path), required=False)
 def compare(folder: Path, other: Path | None) -> int:
     """Print the figures of one or two results folders side by side."""
+    # Two folders of the same name still need two names.
+    names = [str(folder)] if other is None else [str(folder), str(other) if other != folder else f"{other} (again)"]
+    data = {name: analysis.load(path) for name, path in zip(names, (folder, other), strict=False) if path is not None}
     if other is None:
-        _print(analysis.summary(analysis.load(folder)), str(folder))
+        _print(analysis.summary(data[names[0]]), names[0])
     else:
-        # Two folders of the same name still need two names.
-        names = (str(folder), str(other) if other != folder else f"{other} (again)")
-        data = dict(zip(names, (analysis.load(folder), analysis.load(other)), strict=True))
         _print(analysis.compare(**data), " | ".join(names))
+    for name, each in data.items():
+        if len(each.interventions):
+            _print_frame(analysis.intervention_statistics(each), f"{name}: interventions")
+        if {"none"} < set(each.by_group()):
+            _print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
     return 0
 
 
@@ -236,6 +241,18 @@ def _print(frame: pd.DataFrame, title: str) -> None:
         label = f"{figure} [{unit}]".replace("[", r"\[") if unit else figure
         cells = [_cell(v, whole=not unit, sign=c == "difference") for c, v in row.items()]
         table.add_row(label, *cells)
+    _console().print(table)
+
+
+def _print_frame(frame: pd.DataFrame, title: str) -> None:
+    """Print a table of the analysis as it is, turned so that its columns, which are many, become lines."""
+    turned = frame.T
+    table = Table(title=title, title_justify="left")
+    table.add_column("")
+    for column in turned.columns:
+        table.add_column(" ".join(column) if isinstance(column, tuple) else str(column), justify="right")
+    for name, row in turned.iterrows():
+        table.add_row(str(name), *(_cell(v, whole=name in {"count", "arrived", "pending"}, sign=False) for v in row))
     _console().print(table)
 
 

@@ -10,6 +10,9 @@ from aeb_sumo.results import Results, read
 __all__ = ["Dataset", "load"]
 
 
+_SETTINGS = ("scenario", "penetration", "errors", "step_length_s", "mu", "blockage_s")
+
+
 @dataclass(frozen=True)
 class Dataset:
     """The five tables of one or more runs; columns, units and meanings as in `aeb_sumo.results.TABLES`.
@@ -30,16 +33,17 @@ class Dataset:
         return cls(**{f.name: results.frame(f.name) for f in fields(cls)})
 
     def groups(self) -> pd.Series:
-        """Group of every run, by run id: runs of one group differ in their seeds alone.
+        """Group of every run, by run id: runs of one group differ in seed and time span alone.
 
-        A group is named by its strategy, with penetration and scenario where these differ within the data set.
+        A group is named by its strategy, and by whatever else differs between the runs of the data set.
         """
         runs = self.runs.set_index("run_id")
         names = runs["strategy"].astype(str)
-        if runs.loc[runs["strategy"] != "none", "penetration"].nunique() > 1:
-            names = names.where(runs["strategy"] == "none", names + " " + runs["penetration"].map("{:.0%}".format))
-        if runs["scenario"].nunique() > 1:
-            names = runs["scenario"].astype(str) + " " + names
+        equipped = runs["strategy"] != "none"  # a share of nothing is no difference
+        for column in _SETTINGS:
+            rows = equipped if column == "penetration" else pd.Series(True, index=runs.index)
+            if runs.loc[rows, column].nunique(dropna=False) > 1:
+                names = names.where(~rows, names + f", {column} " + runs[column].map(str))
         return names.rename("group")
 
     def only(self, run_ids: pd.Index) -> "Dataset":
@@ -50,7 +54,7 @@ class Dataset:
     def by_group(self) -> dict[str, "Dataset"]:
         """One data set per group, the baseline first."""
         names = self.groups()
-        order = sorted(names.unique(), key=lambda n: (n.rpartition(" ")[2] != "none" and n != "none", n))
+        order = sorted(names.unique(), key=lambda name: (name.partition(",")[0] != "none", name))
         return {name: self.only(names.index[names == name]) for name in order}
 
 

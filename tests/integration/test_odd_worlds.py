@@ -1,7 +1,5 @@
 """Worlds that are legal and unusual: none may end in a traceback."""
 
-import os
-
 import pytest
 
 import sumo_nets
@@ -84,7 +82,7 @@ def test_a_linked_configuration_finds_the_files_beside_the_link(world, tmp_path)
     real = tmp_path / "elsewhere" / "real.sumocfg"
     real.parent.mkdir()
     path.rename(real)
-    os.symlink(real, path)
+    path.symlink_to(real)
     assert run(from_sumocfg(path), duration=2).runs["vehicles"].item() == 1
 
 

@@ -80,3 +80,9 @@ def test_compare_names_every_group(data):
     baseline = data.by_group()["none"]
     table = analysis.compare(A=baseline, B=data.by_group()["zhao2025"])
     assert list(table.columns) == ["A: none", "B: zhao2025", "difference"]
+
+
+def test_runs_of_different_settings_are_different_groups(data):
+    runs = data.runs.assign(mu=[0.85, 0.5, 0.85, 0.85])
+    groups = analysis.Dataset(runs, data.crashes, data.interventions, data.exposure, data.traffic).groups()
+    assert groups.tolist() == ["none, mu 0.85", "none, mu 0.5", "zhao2025, mu 0.85", "zhao2025, mu 0.85"]
