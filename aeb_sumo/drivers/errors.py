@@ -70,7 +70,7 @@ class HardBraking:
     """
 
     name: ClassVar[str] = "hard_braking"
-    every: float = 600.0
+    every: float = 300.0
     decel: float = 6.0
     duration: float = 2.0
 

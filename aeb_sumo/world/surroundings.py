@@ -31,17 +31,17 @@ def leaders(t: Traffic, slots: Ints, reach: float) -> tuple[Ints, Floats]:
 def demanding(t: Traffic, slot: int) -> bool:
     """Whether the driver has reason to keep his eyes on the road just now.
 
-    He has when he brakes (more than 0.5 m/s2), closes in on the vehicle ahead (TTC below 6 s), follows it at less than
-    0.7 s, or has to find a gap because his lane leads him on his route for less than 500 m. All our assumptions:
+    He has when he brakes (more than 1 m/s2), closes in on the vehicle ahead (TTC below 4 s), follows it at less than
+    0.5 s, or has to find a gap because his lane leads him on his route for less than 500 m. All our assumptions:
     drivers choose calm moments to look away.
     """
     vehicle = t.ids[slot]
-    if t.accel[slot] < -0.5:
+    if t.accel[slot] < -1.0:
         return True
     lead, gap = (q[0] for q in leaders(t, np.array([slot]), 150.0))
     if lead >= 0:
         closing = t.speed[slot] - t.speed[lead]
-        if gap < closing * 6.0 or gap < t.speed[slot] * 0.7:
+        if gap < closing * 4.0 or gap < t.speed[slot] * 0.5:
             return True
     lane = libsumo.vehicle.getLaneID(vehicle)
     if lane.startswith(":"):

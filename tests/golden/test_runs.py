@@ -10,9 +10,9 @@ GOLDEN = {
     # The robot drives into the standing car at 40 km/h 4.5 s after both have departed at 0.1 s; with AEB it does not.
     ("track", 20, "none"): (2, {"rear_end": 1}, {}, 0, 0.05, (4.6, 11.111)),
     ("track", 20, "zhao2025"): (2, {}, {"partial_brake": 1}, 0, 0.049, None),
-    # Two drivers look away while the lead brakes; their AEBs are among the eight that brake.
-    ("highway", 240, "none"): (272, {"rear_end": 2}, {}, 61, 735.386, (209.239, 5.553)),
-    ("highway", 240, "zhao2025"): (272, {}, {"partial_brake": 8, "warn": 62}, 60, 736.888, None),
+    # Two drivers do not brake in time; their AEBs are among the fourteen that brake.
+    ("highway", 240, "none"): (272, {"rear_end": 2}, {}, 59, 678.98, (215.792, 1.614)),
+    ("highway", 240, "zhao2025"): (272, {}, {"partial_brake": 14, "warn": 159}, 61, 698.844, None),
     # Left turns across e-bikes; wrecks in the junction cost the baseline 35 arrivals. The one crash with AEB is with an
     # e-bike that comes from the side, outside the 70 degrees that the sensor covers.
     ("w0", 600, "none"): (301, {"left_turn_across_path": 4}, {}, 198, 121.035, (87.895, 9.248)),
