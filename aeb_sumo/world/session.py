@@ -90,9 +90,6 @@ class Session:
             self._messages.close()
             raise SumoError(reason) from None
         Session._running = True
-        if libsumo.simulation.getOption("mesosim") == "true":
-            self.close()
-            raise InputError("mesosim is true: a mesoscopic simulation has no gaps between vehicles for an AEB to see")
 
     def __enter__(self) -> Self:
         return self

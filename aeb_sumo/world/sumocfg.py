@@ -35,7 +35,7 @@ def read(path: str | Path) -> SumoConfig:
     """Read a .sumocfg.
 
     Raises:
-        InputError: the file is missing or is not a SUMO configuration, or a net, route or additional file that it
+        InputError: the file is missing, is not a SUMO configuration or asks for a mesoscopic simulation, or a net, route or additional file that it
             names is not well-formed.
     """
     path = Path(path).absolute()  # a link stays one: SUMO looks for the other files beside it
@@ -55,6 +55,9 @@ def read(path: str | Path) -> SumoConfig:
         value = element.get("value", element.get("v", element.text if not len(element) else None))
         if value is not None and value.strip():
             options[_SYNONYMS.get(element.tag, element.tag)] = value.strip()
+    # Refused before SUMO starts: after a mesoscopic run, SUMO 1.28 misjudges bicycles in the same process.
+    if options.get("mesosim", "false").lower() in {"true", "1", "yes", "on", "t"}:
+        raise InputError(f"{path}: mesosim is true; a mesoscopic simulation has no gaps for an AEB to see")
     for option in ("net-file", "route-files", "additional-files"):
         for name in filter(None, (part.strip() for part in options.get(option, "").split(","))):
             _check_well_formed(path.parent / name)
