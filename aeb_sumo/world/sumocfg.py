@@ -35,8 +35,8 @@ def read(path: str | Path) -> SumoConfig:
     """Read a .sumocfg.
 
     Raises:
-        InputError: the file is missing, is not a SUMO configuration or asks for a mesoscopic simulation; or a net, route
-            or additional file that it names is not well-formed.
+        InputError: the file is missing, is not a SUMO configuration or asks for a mesoscopic simulation; or a net,
+            route or additional file that it names is not well-formed.
     """
     path = Path(path).absolute()  # a link stays one: SUMO looks for the other files beside it
     if not path.is_file():
