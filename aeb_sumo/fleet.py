@@ -17,6 +17,7 @@ from aeb_sumo.world.surroundings import leaders
 
 __all__ = ["Fleet", "Target", "Targets"]
 
+_ELSEWHERE = 2.0  # m, another target farther away than the last by more than this is another matter, our assumption
 _RELEASED = 0.05  # m/s2, a brake below this is off
 _HOLDING = 3.0  # m/s2, of a brake that holds a standing car: any value holds it
 
@@ -74,6 +75,7 @@ class Fleet:
         self.decel: Floats = np.zeros(0)
         self._last_phase: Ints = np.zeros(0, np.int64)
         self._aimed: Floats = np.zeros(0)  # serial number of the last target
+        self._aimed_gap: Floats = np.zeros(0)  # and its gap [m]
         self._hold: Floats = np.zeros(0)
         self._lead: Floats = np.zeros(0)  # serial number of the last lead seen
         self._lead_seen: Floats = np.zeros(0)  # for how long [s]
@@ -139,11 +141,15 @@ class Fleet:
         return result
 
     def _forget_others(self, rows: Ints, targets: Targets) -> None:
-        """A system that turns to another target starts afresh: what it had latched was about the last one."""
+        """A system that turns to another target farther away starts afresh: what it had latched was about the last one.
+
+        Not so for another at the same place, such as the next of several e-bikes: there it goes on braking.
+        """
         serial = np.where(targets.slot >= 0, self._traffic.serial[np.maximum(targets.slot, 0)], 0.0)
-        other = rows[(serial != self._aimed[rows]) & (serial > 0) & (self._aimed[rows] > 0)]
+        changed = (serial != self._aimed[rows]) & (serial > 0) & (self._aimed[rows] > 0)
+        other = rows[changed & (targets.gap > self._aimed_gap[rows] + _ELSEWHERE)]
         put(self._memory, other, self._strategy.init(len(other)))
-        self._aimed[rows] = serial
+        self._aimed[rows], self._aimed_gap[rows] = serial, targets.gap
 
     def _apply_brake(self, rows: Ints, demand: Demand) -> None:
         t, dt, params = self._traffic, self._traffic.dt, self._strategy.brake
@@ -302,14 +308,22 @@ class Fleet:
         n = len(rows)
         put(self._memory, rows, self._strategy.init(n))
         put(self._brake, rows, brake_init(self._strategy.brake, n, self._traffic.dt))
-        for array in (self._aimed, self._hold, self._lead, self._lead_seen, self._last_phase, self.decel):
+        for array in (
+            self._aimed,
+            self._aimed_gap,
+            self._hold,
+            self._lead,
+            self._lead_seen,
+            self._last_phase,
+            self.decel,
+        ):
             array[rows] = 0
 
     def _fit(self) -> None:
         n = self._traffic.capacity
         if n == self._capacity:
             return
-        for name in ("equipped", "decel", "_aimed", "_hold", "_lead", "_lead_seen", "_last_phase"):
+        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_lead", "_lead_seen", "_last_phase"):
             setattr(self, name, fitted(getattr(self, name), n))
         grown_memory, grown_brake, grown_demand = (
             self._strategy.init(n), brake_init(self._strategy.brake, n, self._traffic.dt), Demand.nothing(n),
