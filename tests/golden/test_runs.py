@@ -13,13 +13,10 @@ GOLDEN = {
     # Two drivers do not brake in time; their AEBs are among the fourteen that brake.
     ("highway", 240, "none"): (272, {"rear_end": 2}, {}, 59, 678.98, (215.792, 1.614)),
     ("highway", 240, "zhao2025"): (272, {}, {"partial_brake": 14, "warn": 159}, 61, 698.844, None),
-    # Left turns across e-bikes; wrecks in the junction cost the baseline 35 arrivals. The one crash with AEB is with an
-    # e-bike that comes from the side, outside the 70 degrees that the sensor covers.
+    # Left turns across e-bikes; wrecks in the junction cost the baseline 38 arrivals.
     ("w0", 600, "none"): (301, {"left_turn_across_path": 4}, {}, 198, 121.035, (87.895, 9.248)),
-    ("w0", 600, "zhao2025"): (
-        301, {"crossing": 1}, {"full_brake": 4, "partial_brake": 1, "warn": 141}, 233, 133.03, (590.21, 7.169),
-    ),
-}  # fmt: skip
+    ("w0", 600, "zhao2025"): (301, {}, {"full_brake": 4, "partial_brake": 4, "warn": 147}, 236, 134.129, None),
+}
 
 
 @pytest.mark.parametrize("key", GOLDEN, ids=[" ".join(map(str, k)) for k in GOLDEN])
