@@ -20,7 +20,7 @@ def test_rebuilding_gives_the_committed_net(name, tmp_path):
 
 
 def test_an_unknown_net_is_named():
-    with pytest.raises(KeyError, match="no network 'nowhere'; there are highway, track, w0"):
+    with pytest.raises(KeyError, match="no network 'nowhere'; there are highway, left_turn, track, w0"):
         sumo_nets.folder("nowhere")
 
 
