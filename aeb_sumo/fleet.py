@@ -5,39 +5,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from aeb_sumo.criticality import ttc, ttc2
-from aeb_sumo.perception.crossing import Approach, conflicting
-from aeb_sumo.perception.lead import sees_lead
-from aeb_sumo.perception.sensor import Sensor, covered
+from aeb_sumo.grip import Grip
+from aeb_sumo.lookout import Lookout, Targets
+from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
+from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths, Turn
-from aeb_sumo.world.surroundings import leaders
 
-__all__ = ["Fleet", "Target", "Targets"]
+__all__ = ["Fleet", "Target"]
 
 _ELSEWHERE = 2.0  # m, another target farther away than the last by more than this is another matter, our assumption
 _RELEASED = 0.05  # m/s2, a brake below this is off
 _HOLDING = 3.0  # m/s2, of a brake that holds a standing car: any value holds it
-
-
-@dataclass(frozen=True)
-class Targets:
-    """What each equipped vehicle reacts to, (n,) each.
-
-    Attributes:
-        slot: of the target, -1 for none.
-        gap: along the own path [m].
-        speed, accel: along the own path [m/s], [m/s2].
-        crossing: it crosses that path.
-    """
-
-    slot: Ints
-    gap: Floats
-    speed: Floats
-    accel: Floats
-    crossing: Bools
 
 
 @dataclass(frozen=True)
@@ -59,14 +41,17 @@ class Fleet:
         equipped: per slot.
         demand: per slot, the strategy's demand in the coming step.
         decel: per slot, mean deceleration by the AEB's brake in the coming step [m/s2].
+        grip: what they know of the road's friction.
     """
 
-    def __init__(self, traffic: Traffic, paths: Paths, strategy: Strategy, sensor: Sensor, mu: float) -> None:
+    def __init__(
+        self, traffic: Traffic, paths: Paths, friction: Friction, strategy: Strategy, suite: Suite, seed: int
+    ) -> None:
         self._traffic = traffic
-        self._paths = paths
+        self._friction = friction
         self._strategy = strategy
-        self._sensor = sensor
-        self._mu = mu
+        self._lookout = Lookout(traffic, paths, suite, strategy.gaze, seed)
+        self.grip = Grip(traffic, friction, estimates=strategy.estimates_friction, seed=seed)
         self._capacity = 0
         self._memory = strategy.init(0)
         self._brake = brake_init(strategy.brake, 0, traffic.dt)
@@ -77,9 +62,6 @@ class Fleet:
         self._aimed: Floats = np.zeros(0)  # serial number of the last target
         self._aimed_gap: Floats = np.zeros(0)  # and its gap [m]
         self._hold: Floats = np.zeros(0)
-        self._lead: Floats = np.zeros(0)  # serial number of the last lead seen
-        self._lead_seen: Floats = np.zeros(0)  # for how long [s]
-        self._crossing_seen: dict[tuple[float, float], float] = {}  # serials of ego and other -> for how long [s]
         self._targets: Targets | None = None
         self._rows: Ints = np.zeros(0, np.int64)
 
@@ -88,16 +70,19 @@ class Fleet:
         self._fit()
         self.equipped[slot] = equipped
         self._reset(np.array([slot]))
+        if equipped:
+            self.grip.depart(slot)
 
     def leave(self, slot: int) -> None:
         """A vehicle is gone."""
         self.equipped[slot] = False
         self._reset(np.array([slot]))
 
-    def step(self, turns: list[Turn], disabled: Bools) -> None:
+    def step(self, time: float, turns: list[Turn], disabled: Bools) -> None:
         """From the state just observed to `demand` and `decel` for the coming step.
 
         Args:
+            time: now [s].
             turns: vehicles near junctions and their paths.
             disabled: per slot, vehicles whose AEB is out of action (wrecks).
         """
@@ -110,7 +95,9 @@ class Fleet:
         self.decel[:] = 0.0
         self.demand.phase[:] = Phase.NONE
         self.demand.decel[:] = 0.0
-        targets = self._perceive(rows, turns)
+        self.grip.step(rows)
+        braking = self._last_phase >= Phase.PARTIAL_BRAKE
+        targets = self._lookout.step(rows, turns, braking=braking, time=time)
         # The strategy only has work where there is a target, or something to end.
         unfinished = (self._last_phase[rows] > 0) | self._working(rows)
         busy = (targets.slot >= 0) | unfinished
@@ -126,7 +113,12 @@ class Fleet:
             ego_accel=t.accel[rows],
             target_speed=targets.speed,
             target_accel=targets.accel,
-            mu=np.full(len(rows), self._mu),
+            ahead=targets.ahead,
+            left=targets.left,
+            closing_ahead=targets.closing_ahead,
+            closing_left=targets.closing_left,
+            vulnerable=targets.vulnerable,
+            mu=self.grip.known(rows),
         )
         memory, demand = self._strategy.step(take(self._memory, rows), percept, dt)
         put(self._memory, rows, memory)
@@ -162,7 +154,7 @@ class Fleet:
         self._hold[rows] = np.where(stopped, params.hold, np.maximum(self._hold[rows] - dt, 0.0))
         wanted = np.where(self._hold[rows] > 0, np.maximum(wanted, _HOLDING), wanted)
         brake, decel = brake_step(
-            params, take(self._brake, rows), demand=wanted, mu=np.full(len(rows), self._mu), dt=dt
+            params, take(self._brake, rows), demand=wanted, mu=self._friction.at(rows), dt=dt
         )
         put(self._brake, rows, brake)
         decel = np.where(t.speed[rows] > 0, decel, np.where(self._hold[rows] > 0, _HOLDING, 0.0))
@@ -170,6 +162,14 @@ class Fleet:
         idle = rows[(self.decel[rows] == 0) & (wanted == 0) & ~(self._brake.pipe[rows] > 0).any(1)]
         if len(idle):
             put(self._brake, idle, brake_init(params, len(idle), dt))
+
+    def targets(self, slots: Ints) -> Targets:
+        """What the vehicles in these slots react to in the coming step."""
+        result = Targets.none(len(slots))
+        if self._targets is not None:
+            working, at = np.isin(slots, self._rows), np.searchsorted(self._rows, slots)
+            put(result, working, take(self._targets, at[working]))
+        return result
 
     def active(self) -> list[tuple[int, Target | None]]:
         """Slots whose AEB warns or brakes in the coming step, with their targets."""
@@ -196,134 +196,18 @@ class Fleet:
             for i, (slot, k) in enumerate(zip(slots, on, strict=True))
         ]  # fmt: skip
 
-    def _perceive(self, rows: Ints, turns: list[Turn]) -> Targets:
-        """The nearest confirmed target of each."""
-        t = self._traffic
-        moving = t.speed[rows] > 0
-        lead, gap = np.full(len(rows), -1, np.int64), np.full(len(rows), np.inf)
-        lead[moving], gap[moving] = self._leads(rows[moving])
-        found = np.maximum(lead, 0)
-        along = np.cos(t.heading[found] - t.heading[rows])
-        targets = Targets(
-            lead,
-            gap,
-            np.where(lead >= 0, t.speed[found] * along, 0.0),
-            np.where(lead >= 0, t.accel[found] * along, 0.0),
-            np.zeros(len(rows), np.bool_),
-        )
-        for slot, (other, distance) in self._crossings(rows, turns).items():
-            k = int(np.searchsorted(rows, slot))
-            if distance < targets.gap[k]:
-                targets.slot[k], targets.gap[k], targets.crossing[k] = other, distance, True
-                targets.speed[k] = targets.accel[k] = 0.0
-        return targets
-
-    def _leads(self, rows: Ints) -> tuple[Ints, Floats]:
-        """Confirmed leads: slots (-1 for none) and gaps [m]."""
-        t = self._traffic
-        lead, gap = leaders(t, rows, self._sensor.reach)
-        k = np.flatnonzero(lead >= 0)
-        ego, other = rows[k], lead[k]
-        seen = np.zeros(len(rows), np.bool_)
-        seen[k] = sees_lead(
-            self._sensor,
-            x=t.x[ego],
-            y=t.y[ego],
-            heading=t.heading[ego],
-            gap=gap[k],
-            rear_x=t.x[other] - t.length[other] * np.cos(t.heading[other]),
-            rear_y=t.y[other] - t.length[other] * np.sin(t.heading[other]),
-            lead_heading=t.heading[other],
-        )
-        serial = np.where(seen, t.serial[np.maximum(lead, 0)], 0.0)
-        same = (serial > 0) & (serial == self._lead[rows])
-        self._lead_seen[rows] = np.where(same, self._lead_seen[rows] + t.dt, 0.0)
-        self._lead[rows] = serial
-        confirmed = seen & (self._lead_seen[rows] >= self._sensor.confirm - t.dt / 2)
-        return np.where(confirmed, lead, -1), np.where(confirmed, gap, np.inf)
-
-    def _crossings(self, rows: Ints, turns: list[Turn]) -> dict[int, tuple[int, float]]:
-        """Confirmed crossing targets: ego slot -> (other slot, distance along the own path to the crossing [m])."""
-        t = self._traffic
-        before, self._crossing_seen = self._crossing_seen, {}
-        by_junction: dict[str, list[Turn]] = {}
-        for turn in turns:
-            by_junction.setdefault(turn.path.junction, []).append(turn)
-        pairs, zones = [], []
-        moving = set(rows[t.speed[rows] > 0].tolist())
-        for group in by_junction.values():
-            for own in group:
-                if own.slot not in moving:
-                    continue
-                for other in group:
-                    zone = self._paths.zone(own, other)
-                    if zone is not None and own.at < zone.own_to and other.slot != own.slot:
-                        pairs.append((own.slot, other.slot))
-                        zones.append(
-                            (
-                                zone.own_from - own.at,
-                                zone.own_to - own.at,
-                                zone.other_from - other.at,
-                                zone.other_to - other.at,
-                            )
-                        )
-        if not pairs:
-            return {}
-        ego, foe = np.array(pairs).T
-        to_zone, through, foe_to_zone, foe_through = np.array(zones).T
-        serials = list(zip(t.serial[ego].tolist(), t.serial[foe].tolist(), strict=True))
-        braking = self._last_phase[ego] >= Phase.PARTIAL_BRAKE
-        centre = t.length[foe] / 2
-        seen, _ = covered(
-            self._sensor,
-            x=t.x[ego],
-            y=t.y[ego],
-            heading=t.heading[ego],
-            target_x=t.x[foe] - np.cos(t.heading[foe]) * centre,
-            target_y=t.y[foe] - np.sin(t.heading[foe]) * centre,
-        )
-        conflict = seen & conflicting(
-            Approach(
-                to_zone=to_zone,
-                through_zone=through,
-                speed=t.speed[ego],
-                length=t.length[ego],
-                other_to_zone=foe_to_zone,
-                other_through_zone=foe_through,
-                other_speed=t.speed[foe],
-                other_accel=t.accel[foe],
-                other_length=t.length[foe],
-                locked=braking & np.array([s in before for s in serials]),
-            )
-        )
-        result: dict[int, tuple[int, float]] = {}
-        for k in np.flatnonzero(conflict).tolist():
-            since = self._crossing_seen[serials[k]] = before.get(serials[k], -t.dt) + t.dt
-            slot, gap = int(ego[k]), max(float(to_zone[k]), 0.0)
-            if since >= self._sensor.confirm - t.dt / 2 and (slot not in result or gap < result[slot][1]):
-                result[slot] = int(foe[k]), gap
-        return result
-
     def _reset(self, rows: Ints) -> None:
         n = len(rows)
         put(self._memory, rows, self._strategy.init(n))
         put(self._brake, rows, brake_init(self._strategy.brake, n, self._traffic.dt))
-        for array in (
-            self._aimed,
-            self._aimed_gap,
-            self._hold,
-            self._lead,
-            self._lead_seen,
-            self._last_phase,
-            self.decel,
-        ):
+        for array in (self._aimed, self._aimed_gap, self._hold, self._last_phase, self.decel):
             array[rows] = 0
 
     def _fit(self) -> None:
         n = self._traffic.capacity
         if n == self._capacity:
             return
-        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_lead", "_lead_seen", "_last_phase"):
+        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase"):
             setattr(self, name, fitted(getattr(self, name), n))
         grown_memory, grown_brake, grown_demand = (
             self._strategy.init(n), brake_init(self._strategy.brake, n, self._traffic.dt), Demand.nothing(n),

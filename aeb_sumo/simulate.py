@@ -16,11 +16,14 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.fleet import Fleet, Target
 from aeb_sumo.ledger.interventions import Action, Interventions
 from aeb_sumo.ledger.traffic import TrafficBook
-from aeb_sumo.perception.sensor import Sensor
+from aeb_sumo.parameters import differences
+from aeb_sumo.perception.suites import Suite, suite
 from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.strategies.base import Strategy
+from aeb_sumo.trace import Trace
+from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.override import Override
@@ -56,7 +59,8 @@ def run(
     step_length: float | None = None,
     blockage: float | None = None,
     interval: float = 60.0,
-    sensor: Sensor | None = None,
+    sensing: str | Suite | None = None,
+    trace: Trace | None = None,
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
     stop: Callable[[], bool] | None = None,
@@ -73,7 +77,8 @@ def run(
         blockage: how long crashed vehicles stand before they leave [s]; None for 60, our assumption, or for SUMO's
             time-to-teleport if that is shorter.
         interval: of the rows of table `traffic` [s].
-        sensor: what the equipped vehicles see with; None for `Sensor()`.
+        sensing: what the equipped vehicles see with, a suite or its name; None for the strategy's own.
+        trace: records vehicles step by step.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
         stop: asked after every step; True ends the run, whose tables are then marked as interrupted.
@@ -82,9 +87,10 @@ def run(
         The five tables of `aeb_sumo.results.TABLES`, one run.
 
     Raises:
-        InputError: an argument is out of range, the strategy is unknown, or SUMO refuses the scenario.
+        InputError: an argument is out of range, strategy or suite are unknown, or SUMO refuses the scenario.
     """
     brain = strategies.load(strategy) if isinstance(strategy, str) else strategy
+    eyes = sensing if isinstance(sensing, Suite) else suite(sensing or brain.sensing)
     if not 0 <= penetration <= 1:
         raise InputError(f"penetration must lie within 0..1, not {penetration:g}")
     for name, value in (("duration", duration), ("step length", step_length), ("interval", interval)):
@@ -95,8 +101,11 @@ def run(
     step = scenario.step_length if step_length is None else step_length
     number = scenario.seed if seed is None else seed
     with tempfile.TemporaryDirectory() as nowhere:
+        routes = Path(nowhere) / "vehicles.rou.xml"
+        routes.write_text(scenario.routes, encoding="utf-8")
         options = [
             *scenario.options,
+            *(("--route-files", str(routes)) if scenario.routes else ()),
             *IMPOSED,
             *(("--step-length", f"{step:g}") if step is not None else ()),
             *(("--seed", str(number)) if number is not None else ()),
@@ -110,7 +119,7 @@ def run(
             if blockage is not None and blockage > limit:
                 raise InputError(f"blockage {blockage:g} s is longer than SUMO's time-to-teleport of {limit:g} s")
             stand = min(_BLOCKAGE, limit) if blockage is None else blockage
-            one = _Run(session, scenario, brain, penetration, stand, interval, sensor or Sensor())
+            one = _Run(session, scenario, brain, penetration, stand, interval, eyes, trace)
             return one.simulate(span, progress, stop)
 
 
@@ -125,20 +134,24 @@ class _Run:
         penetration: float,
         blockage: float,
         interval: float,
-        sensor: Sensor,
+        eyes: Suite,
+        trace: Trace | None,
     ) -> None:
         self._session, self._scenario, self._strategy = session, scenario, strategy
         self._penetration, self._blockage = penetration, blockage
         self._seed = session.seed
         network = Network()
         self._traffic = Traffic(session.dt)
-        self._override = Override(self._traffic, scenario.mu)
+        friction = Friction(self._traffic, scenario.mu, scenario.stretches)
+        self._override = Override(self._traffic, friction)
         self._wrecks = Wrecks(self._traffic, network, session.sublane, blockage)
         self._paths = Paths(self._traffic, network)
         self._lapses = Lapses(scenario.errors, self._seed)
         self._yielding = Yielding(self._traffic, scenario.errors.failure_to_yield, self._seed)
         self._needs_paths = strategy.name != "none" or scenario.errors.failure_to_yield is not None
-        self._fleet = Fleet(self._traffic, self._paths, strategy, sensor, scenario.mu)
+        self._fleet = Fleet(self._traffic, self._paths, friction, strategy, eyes, self._seed)
+        self._sensing = eyes.name
+        self._trace = trace and trace.of(self._traffic, self._fleet, friction)
         self._interventions = Interventions()
         self._book = TrafficBook(self._traffic, session.begin, interval)
         self._crashes: list[dict[str, Any]] = []
@@ -188,7 +201,7 @@ class _Run:
         turns = self._paths.near_junctions(t.present) if self._needs_paths else []
         erring, erring_accel = self._drivers(time)
         self._yielding.step(turns)
-        self._fleet.step(turns, wrecked)
+        self._fleet.step(time, turns, wrecked)
         self._override.drive(
             erring=erring,
             erring_accel=erring_accel,
@@ -198,6 +211,8 @@ class _Run:
         )
         for slot, target in self._fleet.active():
             self._book_action(time, slot, target)
+        if self._trace is not None:
+            self._trace.step(time)
         self._interventions.expire(time)
         self._book.step(time, wrecked)
         self._wrecks.clear(time)
@@ -312,6 +327,8 @@ class _Run:
         runs = {
             "scenario": self._scenario.name,
             "strategy": self._strategy.name,
+            "sensing": self._sensing if self._strategy.name != "none" else "",
+            "parameters": differences(self._strategy),
             "penetration": float(self._penetration),
             "seed": self._seed,
             "errors": self._scenario.errors.names(),

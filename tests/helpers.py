@@ -17,8 +17,15 @@ def approach(ego_kmh: float, lead_kmh: float, gap: float) -> str:
 
 
 def percept(**values: object) -> Percept:
-    """A percept of one row per value; a valid one on a dry road unless told otherwise."""
+    """A percept of one row per value; a lead straight ahead on a dry road unless told otherwise."""
     defaults = {"gap": 50.0, "ego_speed": 20.0, "ego_accel": 0.0, "target_speed": 0.0, "target_accel": 0.0, "mu": 0.85}
+    defaults |= {"left": 0.0, "closing_left": 0.0}
     n = max(np.size(v) for v in values.values()) if values else 1
-    given = {k: np.broadcast_to(np.asarray(values.get(k, d), float), n).copy() for k, d in defaults.items()}
-    return Percept(valid=np.broadcast_to(np.asarray(values.get("valid", True)), n).copy(), **given)
+    rows = {k: np.broadcast_to(np.asarray(values.get(k, d), float), n).copy() for k, d in defaults.items()}
+    rows["ahead"] = np.broadcast_to(np.asarray(values.get("ahead", rows["gap"]), float), n).copy()
+    closing = values.get("closing_ahead", rows["ego_speed"] - rows["target_speed"])
+    rows["closing_ahead"] = np.broadcast_to(np.asarray(closing, float), n).copy()
+    masks = {
+        k: np.broadcast_to(np.asarray(values.get(k, d)), n).copy() for k, d in (("valid", True), ("vulnerable", False))
+    }
+    return Percept(**masks, **rows)

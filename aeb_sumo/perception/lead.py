@@ -2,14 +2,15 @@
 
 import numpy as np
 
-from aeb_sumo.perception.sensor import Sensor, covered
+from aeb_sumo.perception.sensor import covered
 from aeb_sumo.soa import Bools, Floats
 
 __all__ = ["sees_lead"]
 
 
 def sees_lead(
-    sensor: Sensor,
+    reach: float,
+    field_of_view: float,
     *,
     x: Floats,
     y: Floats,
@@ -27,7 +28,8 @@ def sees_lead(
     quarter circle: 0.9 of the arc).
 
     Args:
-        sensor: what the ego sees with.
+        reach: range of the ego's sensors [m].
+        field_of_view: their full angle [deg].
         x: (n,) front bumper of the ego [m].
         y: (n,) front bumper of the ego [m].
         heading: (n,) of the ego [rad].
@@ -36,7 +38,7 @@ def sees_lead(
         rear_y: (n,) rear bumper of the lead [m].
         lead_heading: (n,) of the lead [rad].
     """
-    seen, distance = covered(sensor, x=x, y=y, heading=heading, target_x=rear_x, target_y=rear_y)
+    seen, distance = covered(reach, field_of_view, x=x, y=y, heading=heading, target_x=rear_x, target_y=rear_y)
     touching = distance < 2.0  # bumper to bumper the bearing means nothing
     same_way = np.cos(lead_heading - heading) > 0.5
     agrees = (distance <= gap + 1.5) & (distance >= 0.85 * gap - 1.5)

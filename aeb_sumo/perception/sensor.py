@@ -1,33 +1,47 @@
-"""What a vehicle's sensors cover."""
+"""What single sensors cover, and with what probability they detect a target in one frame."""
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtr
 
 from aeb_sumo.soa import Bools, Floats
 
-__all__ = ["Sensor", "covered"]
+__all__ = ["Sensor", "covered", "detection", "overlap"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """A forward-looking sensor suite without noise.
+    """One forward-looking sensor at the front bumper.
 
     Attributes:
-        reach: range [m], our assumption (long-range radar).
-        field_of_view: full angle [deg]; 70 from another source (Sui et al. 2021, reference AEB for two-wheelers).
-        confirm: a target counts once it has been seen without a gap for this long [s], our assumption.
+        reach: range [m].
+        field_of_view: full angle [deg].
+        range_noise: standard deviation of a measured distance [m]; `inf`: it does not measure it.
+        rate_noise: of a measured closing speed [m/s]; `inf`: it does not measure it.
+        lateral_noise: of a measured lateral offset [m].
+        detect: (overlap, range [m]) pairs, overlap rising: where a vehicle of that overlap with the own width is
+            detected in every second frame; linear between them.
+        sharpness: width of the transition around that range [m].
+        lost: (from, to) ranges [m] between which a target of at most `lost_overlap` is not seen.
+        lost_overlap: see `lost`.
     """
 
-    reach: float = 150.0
-    field_of_view: float = 70.0
-    confirm: float = 0.2
+    reach: float
+    field_of_view: float
+    range_noise: float
+    rate_noise: float
+    lateral_noise: float
+    detect: tuple[tuple[float, float], ...]
+    sharpness: float = 0.1
+    lost: tuple[float, float] = (0.0, 0.0)
+    lost_overlap: float = 0.0
 
 
 def covered(
-    sensor: Sensor, *, x: Floats, y: Floats, heading: Floats, target_x: Floats, target_y: Floats
+    reach: float, field_of_view: float, *, x: Floats, y: Floats, heading: Floats, target_x: Floats, target_y: Floats
 ) -> tuple[Bools, Floats]:
-    """Whether points lie within range and field of view of sensors at the front bumper.
+    """Whether points lie within range [m] and field of view [deg] of a sensor at the front bumper.
 
     Returns:
         (n,) covered, (n,) distance [m].
@@ -35,5 +49,20 @@ def covered(
     dx, dy = target_x - x, target_y - y
     distance = np.hypot(dx, dy)
     ahead = dx * np.cos(heading) + dy * np.sin(heading)
-    inside = ahead >= distance * np.cos(np.radians(sensor.field_of_view / 2))
-    return inside & (distance <= sensor.reach), distance
+    inside = ahead >= distance * np.cos(np.radians(field_of_view / 2))
+    return inside & (distance <= reach), distance
+
+
+def overlap(*, left: Floats, width: Floats, target_width: Floats) -> Floats:
+    """Share of the target's width that lies in the own width, 0 to 1, for a target `left` [m] of the own axis."""
+    result: Floats = np.clip((width / 2 + target_width / 2 - np.abs(left)) / target_width, 0.0, 1.0)
+    return result
+
+
+def detection(sensor: Sensor, *, distance: Floats, share: Floats) -> Floats:
+    """(n,) probability of a detection in one frame, for targets in view at a distance [m] with an overlap `share`."""
+    at, ranges = np.array(sensor.detect, float).T
+    near, far = sensor.lost
+    lost = (share <= sensor.lost_overlap) & (distance >= near) & (distance < far)
+    result: Floats = np.where(lost, 0.0, ndtr((np.interp(share, at, ranges) - distance) / sensor.sharpness))
+    return result

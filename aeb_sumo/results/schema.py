@@ -11,7 +11,7 @@ import pyarrow as pa
 
 __all__ = ["SCHEMA_VERSION", "TABLES", "Column", "Table"]
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 
 DType = Literal["string", "int64", "float64", "bool"]
 
@@ -53,13 +53,15 @@ _RUNS = _table(
     "One row per run: what was simulated, and the books of the run as a whole.",
     ("scenario", "string", "-", "name of the scenario, or path of the .sumocfg as given"),
     ("strategy", "string", "-", "AEB system; `none` for the baseline"),
+    ("sensing", "string", "-", "sensor suite of the equipped vehicles; empty for the baseline"),
+    ("parameters", "string", "-", "of the AEB system, where they differ from its defaults: `name=value`, by spaces"),
     ("penetration", "float64", "-", "share of cars equipped, 0 to 1"),
     ("seed", "int64", "-", "seed of SUMO and of all drivers"),
     ("errors", "string", "-", "errors the drivers make, joined by +; `attentive` for none"),
     ("step_length_s", "float64", "s", "step of the simulation"),
     ("begin_s", "float64", "s", "simulated time at the start"),
     ("end_s", "float64", "s", "simulated time reached"),
-    ("mu", "float64", "-", "friction coefficient of the road"),
+    ("mu", "float64", "-", "friction coefficient of the road, where nothing else is said of it"),
     ("blockage_s", "float64", "s", "how long crashed vehicles stand before they leave"),
     ("outcome", "string", "-", "`completed`, `interrupted` (by the user) or `failed` (SUMO gave up)"),
     ("reason", "string", "-", "why it failed, in SUMO's words"),

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import sumo_nets
 from aeb_sumo.drivers.errors import Errors
+from aeb_sumo.world.friction import Stretch
 
 __all__ = ["Scenario", "on_network"]
 
@@ -17,6 +18,8 @@ class Scenario:
         options: SUMO options: the inputs, and whatever else the scenario wants.
         errors: what its drivers do wrong.
         mu: friction coefficient of the road; 0.85 dry asphalt, from another source (Zhao et al. 2025, 3.1).
+        stretches: pieces of road that have another.
+        routes: content of a SUMO route file, for scenarios that bring their vehicles as text; empty for none.
         seed: of SUMO and of the drivers; None leaves SUMO's own default or what `options` say.
         step_length: [s]; None leaves it to `options`.
         duration: [s]; None runs until the end that `options` set, or until all vehicles have arrived.
@@ -27,6 +30,8 @@ class Scenario:
     options: tuple[str, ...]
     errors: Errors = field(default_factory=Errors)
     mu: float = 0.85
+    stretches: tuple[Stretch, ...] = ()
+    routes: str = ""
     seed: int | None = 1
     step_length: float | None = 0.1
     duration: float | None = 600.0

@@ -1,15 +1,17 @@
 """What every strategy takes and gives. All arrays are (n,), one row per equipped vehicle, SI units."""
 
-from dataclasses import dataclass
-from enum import IntEnum
-from typing import Any, ClassVar, Protocol
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum
+from typing import Any, ClassVar
 
 import numpy as np
 
+from aeb_sumo.parameters import check
 from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.vehicle.brake import BrakeParams
 
-__all__ = ["Demand", "Percept", "Phase", "Strategy"]
+__all__ = ["Demand", "Gaze", "Percept", "Phase", "Strategy"]
 
 
 class Phase(IntEnum):
@@ -25,6 +27,15 @@ class Phase(IntEnum):
     """Braking with all the system allows itself."""
 
 
+class Gaze(Enum):
+    """Which of all that it sees a system takes for its target."""
+
+    PATH = "path"
+    """Who is, or will be, in the way on the own planned path: the lead, or crossing traffic, the nearest of them."""
+    RELATIVE_MOTION = "relative motion"
+    """Who will pass closest ahead if both go on in a straight line: no knowledge of anybody's path."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Percept:
     """What an equipped vehicle knows of itself and of its target.
@@ -36,6 +47,9 @@ class Percept:
         ego_accel: own acceleration, signed [m/s2].
         target_speed: speed of the target along the own path [m/s]; 0 for one that crosses it.
         target_accel: acceleration of the target along the own path, signed [m/s2].
+        ahead, left: where the target is, in the frame of the own front bumper [m].
+        closing_ahead, closing_left: own velocity less the target's, in that frame [m/s].
+        vulnerable: the target is a two-wheeler or a pedestrian.
         mu: friction coefficient of the road, as the vehicle knows it.
     """
 
@@ -45,6 +59,11 @@ class Percept:
     ego_accel: Floats
     target_speed: Floats
     target_accel: Floats
+    ahead: Floats
+    left: Floats
+    closing_ahead: Floats
+    closing_left: Floats
+    vulnerable: Bools
     mu: Floats
 
 
@@ -66,27 +85,39 @@ class Demand:
         return cls(phase=np.zeros(n, np.int64), decel=np.zeros(n))
 
 
-class Strategy(Protocol):
+@dataclass(frozen=True, kw_only=True)
+class Strategy(ABC):
     """A pure function of arrays with explicit state; it knows nothing of SUMO, ids or other vehicles.
 
-    `step` must not change its inputs and must treat every row alone. The laws that hold for all strategies are in
-    tests/contract/test_strategies.py.
+    Its fields are its parameters; those that are numbers are checked against the range that
+    `aeb_sumo.parameters.within` gives them, else to be finite and not negative. `step` must not change its inputs and
+    must treat every row alone. The laws that hold for all strategies are in tests/contract/test_strategies.py.
+
+    Attributes:
+        brake: brake and lower controller the system was published with.
     """
 
     name: ClassVar[str]
     """As on the command line."""
     source: ClassVar[str]
     """The publication."""
+    sensing: ClassVar[str] = "ideal"
+    """What it sees with, unless the run says otherwise: a suite of `aeb_sumo.perception.suites`."""
+    gaze: ClassVar[Gaze] = Gaze.PATH
+    """How it chooses its target."""
+    estimates_friction: ClassVar[bool] = False
+    """`Percept.mu` is its own running estimate; otherwise it is told the truth."""
 
-    @property
-    def brake(self) -> BrakeParams:
-        """The brake and lower controller the system was published with."""
-        ...
+    brake: BrakeParams = field(default_factory=BrakeParams)
 
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        check(self)
+
+    @abstractmethod
     def init(self, n: int) -> Any:
         """State of `n` vehicles that have seen nothing yet: a dataclass of arrays (see `aeb_sumo.soa`)."""
-        ...
 
+    @abstractmethod
     def step(self, state: Any, percept: Percept, dt: float) -> tuple[Any, Demand]:
         """One step of `dt` [s]: the new state and the demand that holds until the next."""
-        ...

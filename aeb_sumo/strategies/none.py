@@ -1,13 +1,12 @@
 """No AEB: the baseline of every comparison."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from aeb_sumo.soa import Bools
-from aeb_sumo.strategies.base import Demand, Percept
-from aeb_sumo.vehicle.brake import BrakeParams
+from aeb_sumo.strategies.base import Demand, Percept, Strategy
 
 __all__ = ["STRATEGY"]
 
@@ -19,13 +18,12 @@ class Nothing:
     unused: Bools
 
 
-@dataclass(frozen=True)
-class NoAeb:
+@dataclass(frozen=True, kw_only=True)
+class NoAeb(Strategy):
     """Never warns and never brakes."""
 
     name: ClassVar[str] = "none"
     source: ClassVar[str] = "-"
-    brake: BrakeParams = field(default_factory=BrakeParams)
 
     def init(self, n: int) -> Nothing:
         """See `Strategy.init`."""

@@ -4,9 +4,12 @@ SUMO only executes the speed that comes out of here, one per step; its own limit
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
+from aeb_sumo.errors import InputError
+from aeb_sumo.parameters import check, within
 from aeb_sumo.soa import Floats
 from aeb_sumo.units import G
 from aeb_sumo.vehicle.lower_controller import PidParams, PidState, pid_init, pid_step
@@ -19,28 +22,51 @@ class BrakeParams:
     """An actuator and its controller.
 
     Attributes:
-        dead_time: from the controller's output to the first change of pressure [s], our assumption.
+        dead_time: from a rise of the controller's output to the rise of pressure [s], our assumption; a fall comes
+            through at once.
+        dead_time_by_mu: (mu, dead time [s]) pairs, mu rising, linear between them and constant beyond, in place of
+            `dead_time`; for systems whose published results ask for one that depends on the road.
         lag: time constant of the first-order response behind it [s]; 0.05 fits the results of Zhao et al. 2025
             (shared/seeds.md 8), from another source.
         build_up: largest rise of deceleration per second [m/s3], our assumption; `inf` for no limit.
         release: largest fall of deceleration per second [m/s3], our assumption.
         hold: once the system has brought the car to a stop, the brake stays on for this long [s], our assumption.
         pid: the lower controller; None takes the gains that suit this actuator (`PidParams.for_plant`).
+        open_loop: there is no lower controller; the actuator gets the demand.
         substep: largest step of the integration [s], our assumption.
     """
 
     dead_time: float = 0.1
+    dead_time_by_mu: tuple[tuple[float, float], ...] = ()
     lag: float = 0.05
-    build_up: float = 40.0
-    release: float = 40.0
+    build_up: float = within(40.0, 1.0, np.inf)
+    release: float = within(40.0, 1.0, np.inf)
     hold: float = 2.0
     pid: PidParams | None = None
-    substep: float = 0.01
+    open_loop: bool = False
+    substep: float = within(0.01, 0.0001, 0.1)
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        check(self)
+        mus, times = zip(*self.dead_time_by_mu, strict=True) if self.dead_time_by_mu else ((), ())
+        if any(b <= a for a, b in pairwise(mus)) or any(not 0 <= time < np.inf for time in times):
+            raise InputError("BrakeParams.dead_time_by_mu must have rising mu and times >= 0 s")
 
     @property
     def controller(self) -> PidParams:
         """The gains in use."""
         return self.pid or PidParams.for_plant(lag=self.lag, dead_time=self.dead_time)
+
+    def dead_times(self, mu: Floats) -> Floats:
+        """(n,) dead time on roads of friction `mu` [s]."""
+        if not self.dead_time_by_mu:
+            return np.full(len(mu), self.dead_time)
+        return np.interp(mu, *np.array(self.dead_time_by_mu).T)
+
+    def longest_dead_time(self) -> float:
+        """The longest dead time on any road [s]."""
+        return max((time for _, time in self.dead_time_by_mu), default=self.dead_time)
 
     def substeps(self, dt: float) -> int:
         """Substeps of a step of `dt` [s]."""
@@ -53,7 +79,7 @@ class BrakeState:
 
     Attributes:
         decel: (n,) what the brake does now, >= 0 [m/s2].
-        pipe: (n, k) outputs of the controller still within the dead time, oldest first [m/s2].
+        pipe: (n, k) outputs of the controller on their way through the dead time, next to arrive first [m/s2].
         integral, error: (n,) memory of the PID controller.
     """
 
@@ -66,7 +92,7 @@ class BrakeState:
 def brake_init(params: BrakeParams, n: int, dt: float) -> BrakeState:
     """State of `n` released brakes, for steps of `dt` [s]."""
     pid = pid_init(n)
-    delay = round(params.dead_time / (dt / params.substeps(dt)))
+    delay = round(params.longest_dead_time() / (dt / params.substeps(dt)))
     return BrakeState(np.zeros(n), np.zeros((n, delay)), pid.integral, pid.error)
 
 
@@ -94,11 +120,16 @@ def brake_step(
     # Exact for a constant input over the substep, so the lag may be as short as the substep.
     follow = 1.0 if params.lag == 0 else 1 - np.exp(-h / params.lag)
     lost = np.zeros_like(decel)
+    length = pipe.shape[1]
+    # What enters the pipe now arrives after the dead time of this road; until something else enters, it lasts.
+    behind = np.arange(length) >= np.rint(params.dead_times(mu) / h)[:, None] - 1
     for _ in range(substeps):
-        pid, controlled = pid_step(gains, pid, demand=demand, actual=decel, dt=h)
-        if pipe.shape[1]:
-            arriving = pipe[:, 0]
-            pipe = np.column_stack([pipe[:, 1:], controlled])
+        controlled = demand
+        if not params.open_loop:
+            pid, controlled = pid_step(gains, pid, demand=demand, actual=decel, dt=h)
+        if length:
+            arriving = np.minimum(pipe[:, 0], controlled)
+            pipe = np.where(behind, controlled[:, None], np.column_stack([pipe[:, 1:], controlled]))
         else:
             arriving = controlled
         change = np.clip((arriving - decel) * follow, -params.release * h, params.build_up * h)

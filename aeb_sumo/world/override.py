@@ -7,6 +7,7 @@ import numpy as np
 
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
 from aeb_sumo.units import G
+from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.observe import Traffic
 
 __all__ = ["Audit", "Override"]
@@ -52,9 +53,9 @@ class Override:
     Call `drive` once per step, and `verify` after the next.
     """
 
-    def __init__(self, traffic: Traffic, mu: float) -> None:
+    def __init__(self, traffic: Traffic, friction: Friction) -> None:
         self._traffic = traffic
-        self._mu = mu
+        self._friction = friction
         self.audit = Audit()
         self._commanded: Floats = np.zeros(0)
         self._taken: Bools = np.zeros(0, np.bool_)
@@ -100,7 +101,7 @@ class Override:
         blind = erring[rows] | wrecked[rows]
         driver = np.where(erring[rows], -erring_accel[rows], self._sumo_driver(rows, blind))
         decel = np.where(aeb[rows] > 0, np.maximum(aeb[rows], driver), driver)
-        decel = np.minimum(decel, self._mu * G)
+        decel = np.minimum(decel, self._friction.at(rows) * G)
         speed = np.where(wrecked[rows], wreck_speed[rows], np.maximum(t.speed[rows] - decel * dt, 0.0))
         for slot, v, is_blind in zip(rows.tolist(), speed.tolist(), blind.tolist(), strict=True):
             vehicle = t.ids[slot]

@@ -33,7 +33,7 @@ def test_penetration_0_is_none(pair):
     """Equipping nobody changes nothing: only the labels differ."""
     for name in TABLES:
         zero, none = (
-            r.frame(name).drop(columns=["run_id", "strategy", "penetration"], errors="ignore")
+            r.frame(name).drop(columns=["run_id", "strategy", "sensing", "penetration"], errors="ignore")
             for r in (pair[0.0], pair["none"])
         )
         assert zero.equals(none), name

@@ -7,6 +7,7 @@ import pytest
 from aeb_sumo.drivers.errors import Errors, Robots
 from aeb_sumo.simulate import run
 from aeb_sumo.units import G
+from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.session import IMPOSED, Session
@@ -18,7 +19,7 @@ def stop(scenario, decel, mu=0.85, tyre=None):
     options = [*scenario.options, *IMPOSED, "--step-length", "0.1"]
     with Session(options) as session:
         traffic = Traffic(session.dt)
-        override = Override(traffic, mu)
+        override = Override(traffic, Friction(traffic, mu))
         started = None
         for _ in range(300):
             session.step()
@@ -58,7 +59,7 @@ def test_a_driver_who_brakes_harder_is_not_released(on_track):
     )
     with Session([*on_track(vehicles).options, *IMPOSED, "--step-length", "0.1"]) as session:
         traffic = Traffic(session.dt)
-        override = Override(traffic, 0.85)
+        override = Override(traffic, Friction(traffic, 0.85))
         short = []
         for _ in range(60):
             session.step()
@@ -83,7 +84,7 @@ def test_the_vehicle_is_handed_back_as_it_was(on_track):
     one = vehicle("v", 600, 15)
     with Session([*on_track(one).options, *IMPOSED, "--step-length", "0.1"]) as session:
         traffic = Traffic(session.dt)
-        override = Override(traffic, 0.85)
+        override = Override(traffic, Friction(traffic, 0.85))
         for step in range(30):
             session.step()
             traffic.observe()

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from aeb_sumo.errors import InputError
 from aeb_sumo.fuzzy import RuleBase
 from aeb_sumo.simulate import run
 from aeb_sumo.strategies.base import Phase
@@ -92,9 +93,9 @@ def test_rules_are_monotone_in_both_directions():
 def test_a_rule_base_of_the_wrong_shape_is_refused():
     base = rule_base()
     parts = {name: getattr(base, name) for name in RuleBase.__dataclass_fields__}
-    with pytest.raises(ValueError, match="must be 10 x 9"):
+    with pytest.raises(InputError, match="must be 10 x 9"):
         RuleBase(**parts | {"rules": base.rules[:, :8]})
-    with pytest.raises(ValueError, match="output sets 0"):
+    with pytest.raises(InputError, match="output sets 0"):
         RuleBase(**parts | {"rules": base.rules + 1})
-    with pytest.raises(ValueError, match="x_sets must increase"):
+    with pytest.raises(InputError, match="x_sets must increase"):
         RuleBase(**parts | {"x_sets": base.x_sets[::-1]})

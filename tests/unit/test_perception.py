@@ -3,7 +3,6 @@ import pytest
 
 from aeb_sumo.perception.crossing import Approach, conflicting, crossing_zone
 from aeb_sumo.perception.lead import sees_lead
-from aeb_sumo.perception.sensor import Sensor
 
 
 def approach(**values):
@@ -53,7 +52,7 @@ def test_paths_side_by_side_or_one_behind_the_other_do_not_cross():
 
 def lead(gap=20.0, rear_x=20.0, rear_y=0.0, lead_heading=0.0):
     given = {"x": 0.0, "y": 0.0, "heading": 0.0, "gap": gap, "rear_x": rear_x, "rear_y": rear_y}
-    return sees_lead(Sensor(), **{k: np.array([v]) for k, v in (given | {"lead_heading": lead_heading}).items()})[0]
+    return sees_lead(150.0, 70.0, **{k: np.array([v]) for k, v in (given | {"lead_heading": lead_heading}).items()})[0]
 
 
 def test_lead():

@@ -1,0 +1,86 @@
+"""Sensor suites by name: what an equipped vehicle sees with, and how it makes tracks of it.
+
+The radar and the camera of cars M and N and the detection model are equivalent parameters: the source (source 002,
+shared/seeds.md 3) prints the results of its measurements and nothing of what is inside its sensors.
+"""
+
+from dataclasses import dataclass
+
+from aeb_sumo.errors import InputError
+from aeb_sumo.perception.sensor import Sensor
+
+__all__ = ["CAMERA", "RADAR", "SUITES", "Suite", "suite"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Suite:
+    """Sensors and the tracker behind them.
+
+    Attributes:
+        name: as on the command line.
+        sensors: a target counts as detected in a frame when one of them detects it; none: an ideal suite, which sees
+            everything in view as it is.
+        reach: the farthest any of them sees [m].
+        field_of_view: the widest any of them sees, full angle [deg].
+        persist: ideal suites: a target counts once it has been in view without a gap for this long; all suites: so
+            long must a crossing conflict last [s], our assumption.
+        cycle: time between frames [s], our assumption (automotive radar and camera: 40 to 60 ms).
+        confirm: a track counts once it has been detected in so many of so many frames (M of N), our assumption.
+        coast: and until it has not been detected for so many frames in a row, our assumption.
+        latency: age of what the tracker works on; its output is extrapolated to the present [s], our assumption.
+        manoeuvre: standard deviation of the jerk that the tracker expects of a target [m/s3], our assumption.
+    """
+
+    name: str
+    sensors: tuple[Sensor, ...] = ()
+    reach: float = 150.0
+    field_of_view: float = 70.0
+    persist: float = 0.2
+    cycle: float = 0.05
+    confirm: tuple[int, int] = (3, 5)
+    coast: int = 4
+    latency: float = 0.0
+    manoeuvre: float = 20.0
+
+
+RADAR = Sensor(
+    reach=150.0,  # our assumption
+    field_of_view=70.0,  # our assumption: as the ideal suite
+    range_noise=0.10,  # our assumption
+    rate_noise=0.05,  # our assumption
+    lateral_noise=0.30,  # our assumption
+    detect=((0.0, 8.0), (0.5, 10.0), (0.9, 120.0), (1.0, 150.0)),
+)
+"""The millimetre-wave radar of both cars; detection calibrated to Table 2."""
+
+CAMERA = Sensor(
+    reach=120.0,  # our assumption
+    field_of_view=52.0,  # from another source: Yan et al. 2025, 3 (printed there)
+    range_noise=1.0,  # our assumption
+    rate_noise=float("inf"),
+    lateral_noise=0.05,  # our assumption
+    detect=((0.0, 60.0), (1.0, 120.0)),
+)
+"""The mono camera of car N."""
+
+SUITES: dict[str, Suite] = {
+    s.name: s
+    for s in (
+        Suite(name="ideal"),
+        Suite(name="radar", sensors=(RADAR,)),
+        Suite(name="camera", sensors=(CAMERA,), reach=120.0, field_of_view=52.0),
+        Suite(name="fusion", sensors=(RADAR, CAMERA)),
+    )
+}
+"""All suites by name."""
+
+
+def suite(name: str) -> Suite:
+    """A suite by name.
+
+    Raises:
+        InputError: there is none of that name.
+    """
+    if name not in SUITES:
+        raise InputError(f"unknown sensing {name!r}; there are: {', '.join(SUITES)}")
+    return SUITES[name]

@@ -1,0 +1,218 @@
+"""Tracks: from what sensors detect, frame by frame, to confirmed targets with estimated motion; one row per pair."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from aeb_sumo.kalman import Gaussian, predict, update
+from aeb_sumo.perception.noise import Keys, normals, uniforms
+from aeb_sumo.perception.sensor import detection
+from aeb_sumo.perception.suites import Suite
+from aeb_sumo.soa import Bools, Floats, Ints
+
+__all__ = ["Measurable", "Tracks", "track_init", "track_step"]
+
+_UNSEEN = -1.0
+_ACROSS = 2.0  # m/s2 within a second, lateral manoeuvres that the tracker expects, our assumption
+# Standard deviations of a track at its first detection [m, m/s, m/s2], our assumption.
+_FIRST_ALONG = np.array([5.0, 10.0, 3.0])
+_FIRST_ACROSS = np.array([2.0, 10.0])
+# What a measurement shows of the state.
+_DISTANCE = np.array([1.0, 0.0, 0.0])
+_RATE = np.array([0.0, 1.0, 0.0])
+_LEFT = np.array([1.0, 0.0])
+
+
+@dataclass(frozen=True)
+class Measurable:
+    """What there is to be measured of each target, (n,) each: the truth.
+
+    Attributes:
+        in_view: the geometry lets a sensor see it.
+        distance: to its near side, along the own path or straight ahead [m].
+        closing: speed at which that shrinks [m/s].
+        closing_accel: how fast that speed grows [m/s2].
+        left: lateral position in the own frame [m].
+        closing_left: own lateral velocity less the target's [m/s].
+        bearing: from straight ahead [rad].
+        overlap: share of its width in the own width, 0 to 1.
+    """
+
+    in_view: Bools
+    distance: Floats
+    closing: Floats
+    closing_accel: Floats
+    left: Floats
+    closing_left: Floats
+    bearing: Floats
+    overlap: Floats
+
+
+@dataclass(frozen=True)
+class Tracks:
+    """Memory and output of the tracker, one row per pair of a vehicle and a target.
+
+    Attributes:
+        key: (n,) identity of the pair, for its noise.
+        seen: (n,) in view without a gap for so long [s]; negative: not in view.
+        history: (n,) detections of the last frames, one bit each, newest lowest.
+        confirmed: (n,) counts as a target.
+        along: (n, 3) and (n, 3, 3) estimate of distance, its rate and its second derivative.
+        along_cov: see `along`.
+        across: (n, 2) and (n, 2, 2) estimate of the lateral position and its rate.
+        across_cov: see `across`.
+        past: (n, k, 8) what could have been measured within the latency, oldest first (see `Measurable`).
+    """
+
+    key: Keys
+    seen: Floats
+    history: Keys
+    confirmed: Bools
+    along: Floats
+    along_cov: Floats
+    across: Floats
+    across_cov: Floats
+    past: Floats
+
+    def motion(self, suite: Suite, truth: Measurable) -> Measurable:
+        """What the vehicle takes for true: the truth for ideal suites, else the estimates, brought to the present."""
+        if not suite.sensors:
+            return truth
+        t = suite.latency
+        distance, rate, accel = self.along.T
+        left, left_rate = self.across.T
+        return Measurable(
+            in_view=truth.in_view,
+            distance=distance + rate * t + accel * t**2 / 2,
+            closing=-(rate + accel * t),
+            closing_accel=-accel,
+            left=left + left_rate * t,
+            closing_left=-left_rate,
+            bearing=truth.bearing,
+            overlap=truth.overlap,
+        )
+
+
+def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks:
+    """Tracks of pairs that have not been seen yet."""
+    n = len(keys)
+    return Tracks(
+        key=keys,
+        seen=np.full(n, _UNSEEN),
+        history=np.zeros(n, np.uint64),
+        confirmed=np.zeros(n, np.bool_),
+        along=np.zeros((n, 3)),
+        along_cov=np.zeros((n, 3, 3)),
+        across=np.zeros((n, 2)),
+        across_cov=np.zeros((n, 2, 2)),
+        past=np.full((n, round(suite.latency / dt), 8), np.nan),
+    )
+
+
+def track_step(suite: Suite, tracks: Tracks, truth: Measurable, *, time: float, dt: float) -> Tracks:
+    """One step of `dt` [s] that ends at `time` [s]: detect, confirm, filter.
+
+    An ideal suite confirms what has been in view for `Suite.persist`. Any other takes the frames that fall into the
+    step; in each, every sensor detects with the probability of `detection` or not at all, and measures with noise.
+    """
+    seen = np.where(truth.in_view, np.where(tracks.seen < 0, 0.0, tracks.seen + dt), _UNSEEN)
+    if not suite.sensors:
+        return replace(tracks, seen=seen, confirmed=seen >= suite.persist - dt / 2)
+    truth, past = _delayed(tracks.past, truth)
+    tracks = _predicted(replace(tracks, seen=seen, past=past), suite, dt)
+    # Every vehicle's frames have a phase of their own.
+    phase = uniforms(tracks.key, np.zeros(len(seen), np.int64), 0)
+    before = np.floor((time - dt) / suite.cycle + phase).astype(np.int64)
+    after = np.floor(time / suite.cycle + phase).astype(np.int64)
+    for extra in range(int((after - before).max(initial=0))):
+        frame = before + 1 + extra
+        tracks = _frame(suite, tracks, truth, frame, now=frame <= after)
+    return tracks
+
+
+def _delayed(past: Floats, truth: Measurable) -> tuple[Measurable, Floats]:
+    """What could be measured a latency ago, and the memory for the next step."""
+    if not past.shape[1]:
+        return truth, past
+    now = np.column_stack([getattr(truth, name).astype(float) for name in truth.__dataclass_fields__])
+    old = past[:, 0]
+    known = ~np.isnan(old[:, 0])
+    values = np.where(known[:, None], old, now)
+    in_view = known & (old[:, 0] > 0)
+    return Measurable(in_view, *values.T[1:]), np.concatenate([past[:, 1:], now[:, None]], axis=1)
+
+
+def _predicted(tracks: Tracks, suite: Suite, dt: float) -> Tracks:
+    """Constant acceleration along, constant velocity across; white jerk and acceleration drive them."""
+    q = suite.manoeuvre**2
+    along = predict(
+        Gaussian(tracks.along, tracks.along_cov),
+        np.array([[1.0, dt, dt**2 / 2], [0.0, 1.0, dt], [0.0, 0.0, 1.0]]),
+        q
+        * dt
+        * np.array([[dt**4 / 20, dt**3 / 8, dt**2 / 6], [dt**3 / 8, dt**2 / 3, dt / 2], [dt**2 / 6, dt / 2, 1.0]]),
+    )
+    across = predict(
+        Gaussian(tracks.across, tracks.across_cov),
+        np.array([[1.0, dt], [0.0, 1.0]]),
+        _ACROSS**2 * dt * np.array([[dt**2 / 3, dt / 2], [dt / 2, 1.0]]),
+    )
+    return replace(
+        tracks, along=along.mean, along_cov=along.cov, across=across.mean, across_cov=across.cov
+    )
+
+
+def _frame(suite: Suite, tracks: Tracks, truth: Measurable, frame: Ints, *, now: Bools) -> Tracks:
+    """One frame of those rows that have one `now`."""
+    hits = np.zeros(len(frame), np.bool_)
+    fresh = tracks.history == 0
+    found = []
+    for k, sensor in enumerate(suite.sensors):
+        chance = detection(sensor, distance=truth.distance, share=truth.overlap)
+        sees = truth.in_view & (truth.distance <= sensor.reach)
+        sees &= np.abs(truth.bearing) <= np.radians(sensor.field_of_view / 2)
+        hit = now & sees & (uniforms(tracks.key, frame, 8 * k + 1) < chance)
+        found.append(hit)
+        hits |= hit
+    along = Gaussian(tracks.along, tracks.along_cov)
+    across = Gaussian(tracks.across, tracks.across_cov)
+    starts = hits & fresh
+    if starts.any():
+        along, across = _started(along, across, starts, truth)
+    for k, (sensor, hit) in enumerate(zip(suite.sensors, found, strict=True)):
+        noise = [normals(tracks.key, frame, 8 * k + c) for c in (2, 3, 4)]
+        along = update(along, _DISTANCE, sensor.range_noise**2, truth.distance + sensor.range_noise * noise[0], hit)
+        if np.isfinite(sensor.rate_noise):
+            along = update(along, _RATE, sensor.rate_noise**2, sensor.rate_noise * noise[1] - truth.closing, hit)
+        across = update(across, _LEFT, sensor.lateral_noise**2, truth.left + sensor.lateral_noise * noise[2], hit)
+    history = np.where(now, (tracks.history << np.uint64(1)) | hits.astype(np.uint64), tracks.history)
+    m, n = suite.confirm
+    enough = np.bitwise_count(history & np.uint64(2**n - 1)) >= m
+    alive = (history & np.uint64(2**suite.coast - 1)) != 0
+    history = np.where(alive, history, np.uint64(0))
+    return replace(
+        tracks,
+        history=history,
+        confirmed=(tracks.confirmed | enough) & alive,
+        along=along.mean,
+        along_cov=along.cov,
+        across=across.mean,
+        across_cov=across.cov,
+    )
+
+
+def _started(along: Gaussian, across: Gaussian, rows: Bools, truth: Measurable) -> tuple[Gaussian, Gaussian]:
+    """New tracks at the first detection: somewhere there, rates unknown."""
+    zero = np.zeros_like(truth.distance)
+    wide = rows[:, None]
+    return (
+        Gaussian(
+            np.where(wide, np.column_stack([truth.distance, zero, zero]), along.mean),
+            np.where(wide[:, None], np.diag(_FIRST_ALONG**2), along.cov),
+        ),
+        Gaussian(
+            np.where(wide, np.column_stack([truth.left, zero]), across.mean),
+            np.where(wide[:, None], np.diag(_FIRST_ACROSS**2), across.cov),
+        ),
+    )
+

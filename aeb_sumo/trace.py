@@ -1,0 +1,71 @@
+"""Traces: vehicles recorded step by step, for test cases and figures."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from aeb_sumo.fleet import Fleet
+from aeb_sumo.world.friction import Friction
+from aeb_sumo.world.observe import Traffic
+
+__all__ = ["Trace"]
+
+
+class Trace:
+    """Records vehicles in every step of a run; give it to `aeb_sumo.simulate.run`.
+
+    Args:
+        vehicles: ids to record; none of them: all vehicles.
+    """
+
+    def __init__(self, *vehicles: str) -> None:
+        self._vehicles = vehicles
+        self._rows: list[dict[str, Any]] = []
+        self._traffic: Traffic
+        self._fleet: Fleet
+        self._friction: Friction
+
+    def of(self, traffic: Traffic, fleet: Fleet, friction: Friction) -> "Trace":
+        """Record from this world on."""
+        self._traffic, self._fleet, self._friction = traffic, fleet, friction
+        self._rows = []
+        return self
+
+    def step(self, time: float) -> None:
+        """Record the state at `time` [s] and what the AEBs demand for the coming step."""
+        t, fleet = self._traffic, self._fleet
+        wanted = [t.slot[v] for v in self._vehicles if v in t.slot] if self._vehicles else t.present.tolist()
+        slots = np.array([s for s in wanted if t.here[s]], np.int64)
+        mu, known, target = self._friction.at(slots), fleet.grip.known(slots), fleet.targets(slots)
+        for k, slot in enumerate(slots.tolist()):
+            aimed = int(target.slot[k])
+            self._rows.append(
+                {
+                    "time_s": time,
+                    "vehicle": t.ids[slot],
+                    "x_m": t.x[slot],
+                    "y_m": t.y[slot],
+                    "heading_rad": t.heading[slot],
+                    "length_m": t.length[slot],
+                    "width_m": t.width[slot],
+                    "speed_mps": t.speed[slot],
+                    "accel_mps2": t.accel[slot],
+                    "target": t.ids[aimed] if aimed >= 0 else "",
+                    "gap_m": target.gap[k],
+                    "closing_mps": target.closing_ahead[k],
+                    "phase": int(fleet.demand.phase[slot]),
+                    "demand_mps2": fleet.demand.decel[slot],
+                    "decel_mps2": fleet.decel[slot],
+                    "mu": mu[k],
+                    "mu_known": known[k] if fleet.equipped[slot] else np.nan,
+                }
+            )
+
+    def frame(self) -> pd.DataFrame:
+        """One row per recorded vehicle and step.
+
+        `accel_mps2` is that of the step before, `decel_mps2` the brake's in the step to come; `gap_m` (infinite without
+        a target) and `closing_mps` are as the vehicle knows them; `phase` is a `Phase`.
+        """
+        return pd.DataFrame(self._rows)
