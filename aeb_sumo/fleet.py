@@ -153,9 +153,7 @@ class Fleet:
         stopped = (t.speed[rows] <= 0) & (t.old_speed[rows] > 0) & (self._brake.decel[rows] > _RELEASED)
         self._hold[rows] = np.where(stopped, params.hold, np.maximum(self._hold[rows] - dt, 0.0))
         wanted = np.where(self._hold[rows] > 0, np.maximum(wanted, _HOLDING), wanted)
-        brake, decel = brake_step(
-            params, take(self._brake, rows), demand=wanted, mu=self._friction.at(rows), dt=dt
-        )
+        brake, decel = brake_step(params, take(self._brake, rows), demand=wanted, mu=self._friction.at(rows), dt=dt)
         put(self._brake, rows, brake)
         decel = np.where(t.speed[rows] > 0, decel, np.where(self._hold[rows] > 0, _HOLDING, 0.0))
         self.decel[rows] = np.where(decel > _RELEASED, decel, 0.0)

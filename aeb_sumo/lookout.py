@@ -227,6 +227,8 @@ class Lookout:
         dx = t.x[other] - share * t.length[other] * np.cos(t.heading[other]) - t.x[ego]
         dy = t.y[other] - share * t.length[other] * np.sin(t.heading[other]) - t.y[ego]
         ahead, left = dx * own_cos + dy * own_sin, dy * own_cos - dx * own_sin
+        # The part of a lead's rear that is nearest to the own axis is seen.
+        aside = np.where(pairs.crossing, np.abs(left), np.maximum(np.abs(left) - t.width[other] / 2, 0.0))
         along = np.cos(turned)
         return Measurable(
             in_view=pairs.in_view,
@@ -235,16 +237,17 @@ class Lookout:
             closing_accel=t.accel[ego] - t.accel[other] * along,
             left=left,
             closing_left=-t.speed[other] * np.sin(turned),
-            bearing=np.arctan2(left, ahead),
-            overlap=np.where(
-                pairs.crossing, 1.0, overlap(left=left, width=t.width[ego], target_width=t.width[other])
-            ),
+            bearing=np.arctan2(aside, ahead),
+            overlap=np.where(pairs.crossing, 1.0, overlap(left=left, width=t.width[ego], target_width=t.width[other])),
+            turn=np.where(pairs.crossing, t.heading[ego] - t.old_heading[ego], 0.0),
         )
 
     def _in_conflict(self, pairs: _Pairs, locked: Bools) -> Bools:
         """Crossing traffic in view that would be at the crossing at the same time."""
         t, result = self._traffic, np.zeros(len(pairs.ego), np.bool_)
         k = np.flatnonzero(pairs.crossing & pairs.in_view)
+        if not len(k):
+            return result
         ego, other = pairs.ego[k], pairs.other[k]
         to_zone, through_zone, other_to_zone, other_through_zone = pairs.zone[k].T
         result[k] = conflicting(

@@ -236,7 +236,7 @@ class _Run:
             self._equipped += equipped
             self._fleet.depart(slot, equipped=equipped)
             self._book.depart(slot, equipped=equipped)
-            if vclass in VClasses.DRIVEN:
+            if vclass in VClasses.DRIVEN or self._scenario.errors.robots is not None:
                 self._lapses.depart(slot, vehicle, time)
 
     def _drivers(self, time: float) -> tuple[Bools, Floats]:

@@ -17,11 +17,15 @@ class Trace:
 
     Args:
         vehicles: ids to record; none of them: all vehicles.
+
+    Attributes:
+        latest: the rows of the last step, by vehicle.
     """
 
     def __init__(self, *vehicles: str) -> None:
         self._vehicles = vehicles
         self._rows: list[dict[str, Any]] = []
+        self.latest: dict[str, dict[str, Any]] = {}
         self._traffic: Traffic
         self._fleet: Fleet
         self._friction: Friction
@@ -29,7 +33,7 @@ class Trace:
     def of(self, traffic: Traffic, fleet: Fleet, friction: Friction) -> "Trace":
         """Record from this world on."""
         self._traffic, self._fleet, self._friction = traffic, fleet, friction
-        self._rows = []
+        self._rows, self.latest = [], {}
         return self
 
     def step(self, time: float) -> None:
@@ -38,29 +42,29 @@ class Trace:
         wanted = [t.slot[v] for v in self._vehicles if v in t.slot] if self._vehicles else t.present.tolist()
         slots = np.array([s for s in wanted if t.here[s]], np.int64)
         mu, known, target = self._friction.at(slots), fleet.grip.known(slots), fleet.targets(slots)
+        self.latest = {}
         for k, slot in enumerate(slots.tolist()):
             aimed = int(target.slot[k])
-            self._rows.append(
-                {
-                    "time_s": time,
-                    "vehicle": t.ids[slot],
-                    "x_m": t.x[slot],
-                    "y_m": t.y[slot],
-                    "heading_rad": t.heading[slot],
-                    "length_m": t.length[slot],
-                    "width_m": t.width[slot],
-                    "speed_mps": t.speed[slot],
-                    "accel_mps2": t.accel[slot],
-                    "target": t.ids[aimed] if aimed >= 0 else "",
-                    "gap_m": target.gap[k],
-                    "closing_mps": target.closing_ahead[k],
-                    "phase": int(fleet.demand.phase[slot]),
-                    "demand_mps2": fleet.demand.decel[slot],
-                    "decel_mps2": fleet.decel[slot],
-                    "mu": mu[k],
-                    "mu_known": known[k] if fleet.equipped[slot] else np.nan,
-                }
-            )
+            row = self.latest[t.ids[slot]] = {
+                "time_s": time,
+                "vehicle": t.ids[slot],
+                "x_m": t.x[slot],
+                "y_m": t.y[slot],
+                "heading_rad": t.heading[slot],
+                "length_m": t.length[slot],
+                "width_m": t.width[slot],
+                "speed_mps": t.speed[slot],
+                "accel_mps2": t.accel[slot],
+                "target": t.ids[aimed] if aimed >= 0 else "",
+                "gap_m": target.gap[k],
+                "closing_mps": target.closing_ahead[k],
+                "phase": int(fleet.demand.phase[slot]),
+                "demand_mps2": fleet.demand.decel[slot],
+                "decel_mps2": fleet.decel[slot],
+                "mu": mu[k],
+                "mu_known": known[k] if fleet.equipped[slot] else np.nan,
+            }
+            self._rows.append(row)
 
     def frame(self) -> pd.DataFrame:
         """One row per recorded vehicle and step.

@@ -9,6 +9,8 @@ import sumo_nets
 from aeb_sumo.drivers.errors import Errors, Robots
 from aeb_sumo.scenarios import Scenario
 
+pytest_plugins = ["pytester"]
+
 BOLOGNA = Path(__file__).parents[2] / "shared" / "scenarios" / "bologna-acosta"
 
 

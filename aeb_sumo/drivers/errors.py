@@ -45,7 +45,7 @@ class Glances:
     share: float = 0.18
     reaction: float = 0.75
 
-    def lapses(self, draw: np.random.Generator) -> Iterator[Lapse]:
+    def lapses(self, draw: np.random.Generator, driver: str) -> Iterator[Lapse]:  # noqa: ARG002
         """One driver's lapses, on his clock from departure."""
         sigma = np.log(2.0 / self.median) / norm.isf(self.over_two)
         mean_off = self.median * np.exp(sigma**2 / 2)
@@ -74,7 +74,7 @@ class HardBraking:
     decel: float = 6.0
     duration: float = 2.0
 
-    def lapses(self, draw: np.random.Generator) -> Iterator[Lapse]:
+    def lapses(self, draw: np.random.Generator, driver: str) -> Iterator[Lapse]:  # noqa: ARG002
         """One driver's lapses, on his clock from departure."""
         now = 0.0
         while True:
@@ -84,13 +84,24 @@ class HardBraking:
 
 @dataclass(frozen=True, kw_only=True)
 class Robots:
-    """Driving robots, as on a proving ground: they hold their speed from the first step on and never react."""
+    """Driving robots, as on a proving ground: they never react, and hold their speed but for what they are told to do.
+
+    Attributes:
+        programs: (vehicle, lapses) of those that do not just hold their speed: what they do instead and when, one lapse
+            after the other from departure on.
+    """
 
     name: ClassVar[str] = "robot"
+    programs: tuple[tuple[str, tuple[Lapse, ...]], ...] = ()
 
-    def lapses(self, draw: np.random.Generator) -> Iterator[Lapse]:  # noqa: ARG002
-        """One lapse, without end."""
-        yield Lapse(0.0, np.inf, 0.0)
+    def lapses(self, draw: np.random.Generator, driver: str) -> Iterator[Lapse]:  # noqa: ARG002
+        """What a robot does, on its clock from departure: its program, then holding its speed without end."""
+        now = 0.0
+        for lapse in dict(self.programs).get(driver, ()):
+            yield Lapse(now, lapse.start, 0.0)
+            yield lapse
+            now = lapse.end
+        yield Lapse(now, np.inf, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +191,7 @@ class Lapses:
             return
         self.fit(slot + 1)
         self._departed[vehicle] = time
-        self._streams[vehicle] = [k.lapses(stream(self._seed, k.name, vehicle)) for k in self.kinds]
+        self._streams[vehicle] = [k.lapses(stream(self._seed, k.name, vehicle), vehicle) for k in self.kinds]
         for kind in range(len(self.kinds)):
             self._next(slot, vehicle, kind)
 

@@ -28,6 +28,7 @@ class Suite:
         confirm: a track counts once it has been detected in so many of so many frames (M of N), our assumption.
         coast: and until it has not been detected for so many frames in a row, our assumption.
         latency: age of what the tracker works on; its output is extrapolated to the present [s], our assumption.
+        sure: a track counts only while its rate is known this well, standard deviation [m/s], our assumption.
         manoeuvre: standard deviation of the jerk that the tracker expects of a target [m/s3], our assumption.
     """
 
@@ -40,7 +41,8 @@ class Suite:
     confirm: tuple[int, int] = (3, 5)
     coast: int = 4
     latency: float = 0.0
-    manoeuvre: float = 20.0
+    manoeuvre: float = 5.0
+    sure: float = 0.5
 
 
 RADAR = Sensor(
@@ -49,7 +51,9 @@ RADAR = Sensor(
     range_noise=0.10,  # our assumption
     rate_noise=0.05,  # our assumption
     lateral_noise=0.30,  # our assumption
-    detect=((0.0, 8.0), (0.5, 10.0), (0.9, 120.0), (1.0, 150.0)),
+    detect=((0.0, 8.0), (0.5, 10.35), (0.75, 120.0), (1.0, 150.0)),
+    lost=(2.4, 8.8),
+    lost_overlap=0.6,
 )
 """The millimetre-wave radar of both cars; detection calibrated to Table 2."""
 
@@ -57,9 +61,9 @@ CAMERA = Sensor(
     reach=120.0,  # our assumption
     field_of_view=52.0,  # from another source: Yan et al. 2025, 3 (printed there)
     range_noise=1.0,  # our assumption
-    rate_noise=float("inf"),
+    rate_noise=0.30,  # our assumption: how fast the image grows
     lateral_noise=0.05,  # our assumption
-    detect=((0.0, 60.0), (1.0, 120.0)),
+    detect=((0.0, 8.0), (0.5, 14.65), (0.75, 100.0), (1.0, 120.0)),
 )
 """The mono camera of car N."""
 

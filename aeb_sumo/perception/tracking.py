@@ -1,6 +1,6 @@
 """Tracks: from what sensors detect, frame by frame, to confirmed targets with estimated motion; one row per pair."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -34,8 +34,9 @@ class Measurable:
         closing_accel: how fast that speed grows [m/s2].
         left: lateral position in the own frame [m].
         closing_left: own lateral velocity less the target's [m/s].
-        bearing: from straight ahead [rad].
+        bearing: of what can be seen of it, from straight ahead, >= 0 [rad].
         overlap: share of its width in the own width, 0 to 1.
+        turn: how far the own frame has turned to the left in the last step [rad]; 0 where distance is along a path.
     """
 
     in_view: Bools
@@ -46,6 +47,7 @@ class Measurable:
     closing_left: Floats
     bearing: Floats
     overlap: Floats
+    turn: Floats
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ class Tracks:
         along_cov: see `along`.
         across: (n, 2) and (n, 2, 2) estimate of the lateral position and its rate.
         across_cov: see `across`.
-        past: (n, k, 8) what could have been measured within the latency, oldest first (see `Measurable`).
+        past: (n, k, m) what could have been measured within the latency, oldest first (see `Measurable`).
     """
 
     key: Keys
@@ -90,6 +92,7 @@ class Tracks:
             closing_left=-left_rate,
             bearing=truth.bearing,
             overlap=truth.overlap,
+            turn=truth.turn,
         )
 
 
@@ -105,7 +108,7 @@ def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks:
         along_cov=np.zeros((n, 3, 3)),
         across=np.zeros((n, 2)),
         across_cov=np.zeros((n, 2, 2)),
-        past=np.full((n, round(suite.latency / dt), 8), np.nan),
+        past=np.full((n, round(suite.latency / dt), len(fields(Measurable))), np.nan),
     )
 
 
@@ -119,7 +122,7 @@ def track_step(suite: Suite, tracks: Tracks, truth: Measurable, *, time: float, 
     if not suite.sensors:
         return replace(tracks, seen=seen, confirmed=seen >= suite.persist - dt / 2)
     truth, past = _delayed(tracks.past, truth)
-    tracks = _predicted(replace(tracks, seen=seen, past=past), suite, dt)
+    tracks = _predicted(_turned(replace(tracks, seen=seen, past=past), truth.turn), suite, dt)
     # Every vehicle's frames have a phase of their own.
     phase = uniforms(tracks.key, np.zeros(len(seen), np.int64), 0)
     before = np.floor((time - dt) / suite.cycle + phase).astype(np.int64)
@@ -134,12 +137,22 @@ def _delayed(past: Floats, truth: Measurable) -> tuple[Measurable, Floats]:
     """What could be measured a latency ago, and the memory for the next step."""
     if not past.shape[1]:
         return truth, past
-    now = np.column_stack([getattr(truth, name).astype(float) for name in truth.__dataclass_fields__])
+    now = np.column_stack([getattr(truth, name).astype(float) for name in (f.name for f in fields(truth))])
     old = past[:, 0]
     known = ~np.isnan(old[:, 0])
     values = np.where(known[:, None], old, now)
     in_view = known & (old[:, 0] > 0)
     return Measurable(in_view, *values.T[1:]), np.concatenate([past[:, 1:], now[:, None]], axis=1)
+
+
+def _turned(tracks: Tracks, turn: Floats) -> Tracks:
+    """The estimates in the own frame as it has turned meanwhile."""
+    if not turn.any():
+        return tracks
+    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    ahead, left = tracks.along[:, :2], tracks.across
+    along = np.column_stack([cos * ahead + sin * left, tracks.along[:, 2]])
+    return replace(tracks, along=along, across=cos * left - sin * ahead)
 
 
 def _predicted(tracks: Tracks, suite: Suite, dt: float) -> Tracks:
@@ -157,9 +170,7 @@ def _predicted(tracks: Tracks, suite: Suite, dt: float) -> Tracks:
         np.array([[1.0, dt], [0.0, 1.0]]),
         _ACROSS**2 * dt * np.array([[dt**2 / 3, dt / 2], [dt / 2, 1.0]]),
     )
-    return replace(
-        tracks, along=along.mean, along_cov=along.cov, across=across.mean, across_cov=across.cov
-    )
+    return replace(tracks, along=along.mean, along_cov=along.cov, across=across.mean, across_cov=across.cov)
 
 
 def _frame(suite: Suite, tracks: Tracks, truth: Measurable, frame: Ints, *, now: Bools) -> Tracks:
@@ -170,7 +181,7 @@ def _frame(suite: Suite, tracks: Tracks, truth: Measurable, frame: Ints, *, now:
     for k, sensor in enumerate(suite.sensors):
         chance = detection(sensor, distance=truth.distance, share=truth.overlap)
         sees = truth.in_view & (truth.distance <= sensor.reach)
-        sees &= np.abs(truth.bearing) <= np.radians(sensor.field_of_view / 2)
+        sees &= truth.bearing <= np.radians(sensor.field_of_view / 2)
         hit = now & sees & (uniforms(tracks.key, frame, 8 * k + 1) < chance)
         found.append(hit)
         hits |= hit
@@ -193,7 +204,7 @@ def _frame(suite: Suite, tracks: Tracks, truth: Measurable, frame: Ints, *, now:
     return replace(
         tracks,
         history=history,
-        confirmed=(tracks.confirmed | enough) & alive,
+        confirmed=(tracks.confirmed | (enough & (along.cov[:, 1, 1] <= suite.sure**2))) & alive,
         along=along.mean,
         along_cov=along.cov,
         across=across.mean,
@@ -215,4 +226,3 @@ def _started(along: Gaussian, across: Gaussian, rows: Bools, truth: Measurable) 
             np.where(wide[:, None], np.diag(_FIRST_ACROSS**2), across.cov),
         ),
     )
-

@@ -17,7 +17,7 @@ def test_streams_depend_on_the_seed_and_the_names_alone():
 
 def test_glances_have_the_stated_distribution():
     glances = Glances()
-    lapses = list(islice(glances.lapses(stream(1, "test")), 20_000))
+    lapses = list(islice(glances.lapses(stream(1, "test"), "v"), 20_000))
     off = np.array([lapse.end - lapse.start for lapse in lapses]) - glances.reaction
     assert np.median(off) == pytest.approx(glances.median, rel=0.03)
     assert np.mean(off > 2.0) == pytest.approx(glances.over_two, abs=0.01)
@@ -26,7 +26,7 @@ def test_glances_have_the_stated_distribution():
 
 def test_lapses_come_and_go_on_the_drivers_own_clock():
     lapses = Lapses(Errors(hard_braking=HardBraking(every=5.0, decel=4.0, duration=1.0)), seed=1)
-    expected = next(HardBraking(every=5.0, decel=4.0, duration=1.0).lapses(stream(1, "hard_braking", "v")))
+    expected = next(HardBraking(every=5.0, decel=4.0, duration=1.0).lapses(stream(1, "hard_braking", "v"), "v"))
     lapses.depart(0, "v", 100.0)
     lapses.advance(100.0 + expected.start - 0.01)
     assert not lapses.erring()[0][0]
