@@ -1,7 +1,12 @@
 """One run of a test case, and what the sources report of such runs: instants, gaps, peaks."""
 
+from collections.abc import Callable, Hashable, Mapping
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
+from multiprocessing import get_context
+from os import cpu_count
+from typing import TypeVar
 
 import numpy as np
 import pandas as pd
@@ -12,8 +17,11 @@ from aeb_sumo.simulate import run
 from aeb_sumo.soa import Bools, Floats
 from aeb_sumo.strategies.base import Phase, Strategy
 from aeb_sumo.trace import Trace
+from aeb_sumo.world.session import SumoError
 
-__all__ = ["Case", "Drive", "body_distance", "drive"]
+__all__ = ["Case", "Drive", "body_distance", "drive", "drive_all"]
+
+K = TypeVar("K", bound=Hashable)
 
 _STANDS = 1e-3  # m/s
 _OVER = 0.5  # s
@@ -135,10 +143,16 @@ class Drive:
 
 
 def drive(case: Case) -> Drive:
-    """Run a case in SUMO. One simulation per process at a time."""
+    """Run a case in SUMO. One simulation per process at a time.
+
+    Raises:
+        SumoError: SUMO refused the case or gave up.
+    """
     trace = Trace(EGO, TARGET)
     stop = _Over(trace) if case.until_over else None
     results = run(case.scenario, case.strategy, sensing=case.sensing, seed=case.seed, trace=trace, stop=stop)
+    if results.runs["outcome"].iloc[0] == "failed":
+        raise SumoError(str(results.runs["reason"].iloc[0]))
     frame = trace.frame()
     both = {name: part.reset_index(drop=True) for name, part in frame.groupby("vehicle")}
     n = min(len(part) for part in both.values())
@@ -154,6 +168,43 @@ def drive(case: Case) -> Drive:
         crash_speed=float("nan") if crash is None else float(crash[f"{own}_speed_mps"]),
         impact_speed=float("nan") if crash is None else float(crash["impact_speed_mps"]),
     )
+
+
+def drive_all(
+    cases: Mapping[K, Case],
+    *,
+    workers: int | None = None,
+    done: Callable[[], None] | None = None,
+    failed: Callable[[K, SumoError], None] | None = None,
+) -> dict[K, Drive]:
+    """Run cases in SUMO, several processes at a time, one simulation each.
+
+    Args:
+        cases: by any key.
+        workers: processes; None for one per processor.
+        done: called after every case.
+        failed: called for a case of which nothing came, which is then missing in the result; None: it ends all of them.
+
+    Raises:
+        SumoError: SUMO refused a case or gave up, and there is no `failed`.
+    """
+    result: dict[K, Drive] = {}
+    # Processes of their own, as SUMO leaves traces in the one it ran in.
+    with ProcessPoolExecutor(workers or cpu_count(), mp_context=get_context("spawn")) as pool:
+        try:
+            for key, future in {key: pool.submit(drive, case) for key, case in cases.items()}.items():
+                try:
+                    result[key] = future.result()
+                except SumoError as error:
+                    if failed is None:
+                        raise
+                    failed(key, error)
+                if done is not None:
+                    done()
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return result
 
 
 class _Over:

@@ -65,9 +65,9 @@ def _surface() -> Surface:
 
 
 def _brake() -> BrakeParams:
-    lag, dead_time, build_up = 0.05, 0.02, 80.0
-    gains = tuned(lag=lag, dead_time=dead_time, build_up=build_up, release=build_up)
-    return BrakeParams(lag=lag, dead_time=dead_time, build_up=build_up, release=build_up, pid=gains)
+    return BrakeParams(
+        dead_time=0.0, lag=0.05, build_up=np.inf, release=np.inf, pid=tuned(lag=0.05, dead_time=0.0)
+    )
 
 
 @dataclass(frozen=True)
@@ -97,9 +97,8 @@ class Zhao2025(Strategy):
         braking: a target that slows down by more than this counts as braking [m/s2], from another source (A9).
         dead_band: demands below this are dropped while the gap exceeds the braking distance [m/s2], from another
             source (seeds 8).
-        brake: first-order lag of 0.05 s, from another source (seeds 8), behind 0.02 s of dead time and 80 m/s3 of build-up,
-            our assumption: without them the swarm (2.2) would only run its gains into their bounds. The gains are those
-            of the swarm (`aeb_sumo.vehicle.tuning`); the loop takes 0.07 s to 63 % of a step.
+        brake: first-order lag of 0.05 s without dead time, from another source (seeds 8); gains by particle swarm, as
+            printed (2.2), within bounds that are not (`aeb_sumo.vehicle.tuning`).
     """
 
     name: ClassVar[str] = "zhao2025"

@@ -22,8 +22,8 @@ class BrakeParams:
     """An actuator and its controller.
 
     Attributes:
-        dead_time: from a rise of the controller's output to the rise of pressure [s], our assumption; a fall comes
-            through at once.
+        dead_time: from the controller's output to the first change of pressure [s], our assumption. Without a lower
+            controller only a rise waits: nobody brakes on for the long dead times that are fitted to some results.
         dead_time_by_mu: (mu, dead time [s]) pairs, mu rising, linear between them and constant beyond, in place of
             `dead_time`; for systems whose published results ask for one that depends on the road.
         lag: time constant of the first-order response behind it [s]; 0.05 fits the results of Zhao et al. 2025
@@ -128,7 +128,7 @@ def brake_step(
         if not params.open_loop:
             pid, controlled = pid_step(gains, pid, demand=demand, actual=decel, dt=h)
         if length:
-            arriving = np.minimum(pipe[:, 0], controlled)
+            arriving = np.minimum(pipe[:, 0], controlled) if params.open_loop else pipe[:, 0]
             pipe = np.where(behind, controlled[:, None], np.column_stack([pipe[:, 1:], controlled]))
         else:
             arriving = controlled

@@ -1,8 +1,7 @@
-"""The `aeb-sumo` command."""
+"""`aeb-sumo run`."""
 
 import shutil
 import signal
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,37 +11,30 @@ from types import FrameType
 from typing import Any
 
 import click
-import pandas as pd
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
-import aeb_sumo
 import analysis
 from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
+from aeb_sumo.cli.options import system_options
+from aeb_sumo.cli.show import print_summary
 from aeb_sumo.drivers.errors import PROFILES
 from aeb_sumo.errors import InputError
-from aeb_sumo.results import TABLES, Results
+from aeb_sumo.results import Results
 from aeb_sumo.simulate import Progress as Step
 from aeb_sumo.simulate import run as simulate
 
-__all__ = ["main"]
+__all__ = ["run"]
 
 _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
-_WIDTH = 110  # of the output where there is no terminal to ask
 
 
-@click.group()
-@click.version_option(aeb_sumo.__version__, prog_name="aeb-sumo")
-def cli() -> None:
-    """What an automatic emergency brake (AEB) does to real traffic."""
-
-
-@cli.command()
+@click.command()
 @click.argument("scenario", required=False)
 @click.option("--sumocfg", type=click.Path(path_type=Path), help="Run this SUMO configuration instead of SCENARIO.")
 @click.option("--strategy", default="zhao2025", show_default=True, help="The AEB; none for the baseline.")
+@system_options
 @click.option("--penetration", type=float, default=1.0, show_default=True, help="Share of cars equipped, 0..1.")
 @click.option("--seed", type=click.IntRange(0, 2**31 - 1), help="Of SUMO and of the drivers. [default: the scenario's]")
 @click.option("--duration", type=float, help="Simulated seconds. [default: the scenario's]")
@@ -57,6 +49,7 @@ def run(
     scenario: str | None,
     sumocfg: Path | None,
     strategy: str,
+    parameters: dict[str, Any],
     drivers: str | None,
     out: str | None,
     compare: bool,
@@ -68,23 +61,23 @@ def run(
     SCENARIO is one of highway, track, w0.
     """
     chosen = _scenario(scenario, sumocfg, drivers)
-    strategies.load(strategy)
+    system = strategies.load(strategy, parameters)
     if compare and strategy == "none":
         raise InputError("--compare needs a --strategy other than none, which is what it compares with")
     folder = None if out is None else _new_folder(out)
     console = Console(stderr=True)
     done: list[Results] = []
     with _interruptible() as stop:
-        for name in ("none", strategy) if compare else (strategy,):
-            with _sumo_folder(folder, name) as sumo_output, _progress(console, name, quiet) as progress:
-                one = simulate(chosen, name, sumo_output=sumo_output, progress=progress, stop=stop, **options)
+        for each in (strategies.load("none"), system) if compare else (system,):
+            with _sumo_folder(folder, each.name) as sumo_output, _progress(console, each.name, quiet) as progress:
+                one = simulate(chosen, each, sumo_output=sumo_output, progress=progress, stop=stop, **options)
             if folder is not None:
                 store.write(one, folder)
             done.append(one)
             if one.runs["outcome"].iloc[0] != "completed":
                 break
     if not quiet:
-        _print(analysis.summary(analysis.Dataset.of(Results.joined(done))), chosen.name)
+        print_summary(analysis.summary(analysis.Dataset.of(Results.joined(done))), chosen.name)
         if folder is not None:
             click.echo(f"Tables in {folder}: pandas.read_parquet('{folder}/crashes'), or analysis.load('{folder}').")
     step = float(done[-1].runs["step_length_s"].iloc[0])
@@ -94,40 +87,6 @@ def run(
     if outcome == "failed":
         raise InputError(f"{reason} (the tables hold what was simulated until then)")
     return 130 if outcome == "interrupted" else 0
-
-
-@cli.command()
-@click.argument("folder", type=click.Path(path_type=Path))
-@click.argument("other", type=click.Path(path_type=Path), required=False)
-def compare(folder: Path, other: Path | None) -> int:
-    """Print the figures of one or two results folders side by side."""
-    # Two folders of the same name still need two names.
-    names = [str(folder)] if other is None else [str(folder), str(other) if other != folder else f"{other} (again)"]
-    data = {name: analysis.load(path) for name, path in zip(names, (folder, other), strict=False) if path is not None}
-    if other is None:
-        _print(analysis.summary(data[names[0]]), names[0])
-    else:
-        _print(analysis.compare(**data), " | ".join(names))
-    for name, each in data.items():
-        if len(each.interventions):
-            _print_frame(analysis.intervention_statistics(each), f"{name}: interventions")
-        if {"none"} < set(each.by_group()):
-            _print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
-    return 0
-
-
-@cli.command()
-@click.argument("table", required=False)
-def tables(table: str | None) -> int:
-    """Print the columns of TABLE, or of all tables, with type, unit and meaning."""
-    if table is not None and table not in TABLES:
-        raise InputError(f"unknown table {table!r}; there are: {', '.join(TABLES)}")
-    for each in TABLES.values() if table is None else (TABLES[table],):
-        grid = Table("column", "type", "unit", "meaning", title=f"{each.name}: {each.meaning}", title_justify="left")
-        for column in each.columns:
-            grid.add_row(column.name, column.dtype, column.unit, column.meaning)
-        _console().print(grid)
-    return 0
 
 
 def _scenario(name: str | None, sumocfg: Path | None, drivers: str | None) -> scenarios.Scenario:
@@ -220,72 +179,3 @@ def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[St
             bar.update(task, completed=step.time, total=step.duration, note=note)
 
         yield show
-
-
-def _console() -> Console:
-    console = Console()
-    return console if console.is_terminal else Console(width=_WIDTH)
-
-
-def _print(frame: pd.DataFrame, title: str) -> None:
-    """Print a summary: one line per figure, a rule between sections."""
-    table = Table(title=title, title_justify="left")
-    table.add_column("figure")
-    for column in frame.columns:
-        table.add_column(str(column), justify="right")
-    before = ""
-    for (section, figure, unit), (_, row) in zip(frame.index.to_list(), frame.iterrows(), strict=True):
-        if before and section != before:
-            table.add_section()
-        before = section
-        label = f"{figure} [{unit}]".replace("[", r"\[") if unit else figure
-        cells = [_cell(v, whole=not unit, sign=c == "difference") for c, v in row.items()]
-        table.add_row(label, *cells)
-    _console().print(table)
-
-
-def _print_frame(frame: pd.DataFrame, title: str) -> None:
-    """Print a table of the analysis as it is, turned so that its columns, which are many, become lines."""
-    turned = frame.T
-    table = Table(title=title, title_justify="left")
-    table.add_column("")
-    for column in turned.columns:
-        table.add_column(" ".join(column) if isinstance(column, tuple) else str(column), justify="right")
-    for name, row in turned.iterrows():
-        table.add_row(str(name), *(_cell(v, whole=name in {"count", "arrived", "pending"}, sign=False) for v in row))
-    _console().print(table)
-
-
-def _cell(value: float, *, whole: bool, sign: bool) -> str:
-    if pd.isna(value):
-        return "-"
-    if whole:
-        return f"{value:+.0f}" if sign else f"{value:.0f}"
-    digits = 0 if abs(value) >= 1000 else 1 if abs(value) >= 10 else 2
-    return f"{value:{'+' if sign else ''}.{digits}f}"
-
-
-def main() -> None:
-    """Run the command; bad input gives one line on stderr and exit status 2."""
-    try:
-        status = cli.main(args=sys.argv[1:] or ["--help"], standalone_mode=False)
-    except InputError as error:
-        _fail(str(error))
-    except click.NoSuchOption as error:
-        known = [o for p in (error.ctx.command.params if error.ctx else []) for o in p.opts if o.startswith("--")]
-        _fail(f"no such option: {error.option_name}; there are: {', '.join(known)}")
-    except click.UsageError as error:
-        message = error.format_message()
-        if error.ctx is not None and isinstance(error.ctx.command, click.Group) and "No such command" in message:
-            message += f" There are: {', '.join(error.ctx.command.commands)}."
-        _fail(message)
-    except click.ClickException as error:
-        _fail(error.format_message())
-    except click.Abort:
-        sys.exit(130)
-    sys.exit(status if isinstance(status, int) else 0)
-
-
-def _fail(message: str) -> None:
-    click.echo(f"aeb-sumo: {' '.join(message.split())}", err=True)
-    sys.exit(2)

@@ -1,0 +1,47 @@
+"""`aeb-sumo compare` and `aeb-sumo tables`."""
+
+from pathlib import Path
+
+import click
+from rich.table import Table
+
+import analysis
+from aeb_sumo.cli.show import console, print_frame, print_summary
+from aeb_sumo.errors import InputError
+from aeb_sumo.results import TABLES
+
+__all__ = ["compare", "tables"]
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("other", type=click.Path(path_type=Path), required=False)
+def compare(folder: Path, other: Path | None) -> int:
+    """Print the figures of one or two results folders side by side."""
+    # Two folders of the same name still need two names.
+    names = [str(folder)] if other is None else [str(folder), str(other) if other != folder else f"{other} (again)"]
+    data = {name: analysis.load(path) for name, path in zip(names, (folder, other), strict=False) if path is not None}
+    if other is None:
+        print_summary(analysis.summary(data[names[0]]), names[0])
+    else:
+        print_summary(analysis.compare(**data), " | ".join(names))
+    for name, each in data.items():
+        if len(each.interventions):
+            print_frame(analysis.intervention_statistics(each), f"{name}: interventions")
+        if {"none"} < set(each.by_group()):
+            print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
+    return 0
+
+
+@click.command()
+@click.argument("table", required=False)
+def tables(table: str | None) -> int:
+    """Print the columns of TABLE, or of all tables, with type, unit and meaning."""
+    if table is not None and table not in TABLES:
+        raise InputError(f"unknown table {table!r}; there are: {', '.join(TABLES)}")
+    for each in TABLES.values() if table is None else (TABLES[table],):
+        grid = Table("column", "type", "unit", "meaning", title=f"{each.name}: {each.meaning}", title_justify="left")
+        for column in each.columns:
+            grid.add_row(column.name, column.dtype, column.unit, column.meaning)
+        console().print(grid)
+    return 0

@@ -1,0 +1,76 @@
+from dataclasses import dataclass, field
+
+import pytest
+
+from aeb_sumo import strategies
+from aeb_sumo.errors import InputError
+from aeb_sumo.parameters import check, differences, parse, read_file, within
+
+
+@dataclass(frozen=True)
+class Some:
+    ratio: float = within(0.5, 0.0, 1.0)
+    count: int = 2
+    on: bool = True
+    name: str = "a"
+    inner: tuple[int, ...] = field(default=())
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"ratio": 1.5}, r"Some.ratio must be within 0 .. 1, not 1.5"),
+        ({"ratio": float("nan")}, r"Some.ratio must be within 0 .. 1, not nan"),
+        ({"count": -1}, r"Some.count must be a number, 0 or more, not -1"),
+    ],
+)
+def test_numbers_out_of_range_are_named(values, message):
+    with pytest.raises(InputError, match=message):
+        check(Some(**values))
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "message"),
+    [
+        ("zhao2025", {"comfort_decl": 6}, "has no parameter 'comfort_decl'; there are: brake, reaction_time"),
+        ("zhao2025", {"comfort_decel": "hard"}, "Zhao2025.comfort_decel must be a number, not 'hard'"),
+        ("zhao2025", {"comfort_decel": -6}, "Zhao2025.comfort_decel must be a number, 0 or more, not -6"),
+        ("zhao2025", {"brake.lag": -1}, "BrakeParams.lag must be a number, 0 or more, not -1"),
+        ("zhao2025", {"brake.dead_time_by_mu": 3}, "dead_time_by_mu must be set in Python, not here"),
+        ("zheng2020", {"driver_class": 5}, "driver_class must be within 1 .. 4, not 5"),
+        ("zheng2020", {"driver_class": 1.5}, "driver_class must be a whole number, not 1.5"),
+        ("lin2021_fixed", {"mu": -0.3}, "Lin2021Fixed.mu must be within 0.05 .. 1.5, not -0.3"),
+        ("yan2025", {"rule": "or"}, "Yan2025.rule must be one of and, lane_entry, not 'or'"),
+    ],
+)
+def test_bad_parameters_of_a_strategy(name, parameters, message):
+    with pytest.raises(InputError, match=message):
+        strategies.load(name, parameters)
+
+
+def test_parameters_reach_their_fields():
+    system = strategies.load("zhao2025", parse(("comfort_decel = 5", "brake.lag=0.1")))
+    assert system.comfort_decel == 5.0
+    assert system.brake.lag == 0.1
+    assert differences(system) == "brake.lag=0.1 comfort_decel=5.0"
+    assert not differences(strategies.load("zhao2025"))
+
+
+@pytest.mark.parametrize("text", ["comfort_decel", "=5", "comfort_decel="])
+def test_what_is_no_assignment_is_refused(text):
+    with pytest.raises(InputError, match="write NAME=VALUE"):
+        parse((text,))
+
+
+def test_a_file_of_parameters(tmp_path):
+    path = tmp_path / "tuned.toml"
+    path.write_text("comfort_decel = 5\n[brake]\nlag = 0.1\n")
+    assert strategies.load("zhao2025", read_file(path)).brake.lag == 0.1
+
+
+def test_a_file_that_cannot_be_read(tmp_path):
+    with pytest.raises(InputError, match="cannot read the parameter file .*No such file"):
+        read_file(tmp_path / "none.toml")
+    (tmp_path / "bad.toml").write_text("a = = b")
+    with pytest.raises(InputError, match=r"bad.toml is no TOML"):
+        read_file(tmp_path / "bad.toml")
