@@ -69,7 +69,9 @@ def ncap(
         _print(rows, " ".join(filter(None, (strategy, parameters.differences(brain)))))
     failed = rows[rows["error"] != ""]
     if len(failed):
-        where = ", ".join(f"{grid.label(r.case, r.overlap)} at {r.test_speed_kmh} km/h" for r in failed.itertuples())
+        where = ", ".join(
+            f"{grid.label(row['case'], row['overlap'])} at {row['test_speed_kmh']} km/h" for _, row in failed.iterrows()
+        )
         raise InputError(f"{len(failed)} of {len(rows)} tests failed ({where}): {failed['error'].iloc[0]}")
     return 0
 

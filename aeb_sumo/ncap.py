@@ -39,8 +39,8 @@ _LEAD_KMH = 20  # CCRm; printed (Zhao et al. 2025, Table 6)
 _HEADWAY = 1.0  # s, CCRb; from another source (Euro NCAP 2026); between the bumpers, our reading
 _LEAD_DECEL = 4.0  # m/s2, CCRb; from another source (Euro NCAP 2026)
 _LEAD_BRAKES_AT = 2.0  # s, our assumption: the sensors have confirmed the lead by then
-_SETTLED = 8.0  # s after the contact of a car that does not brake, our assumption: time for one that does to stop
-_CCRB_DURATION = 15.0  # s, our assumption: the lead stands after 5.5
+_SETTLED = 6.0  # s after the contact of a car that does not brake, our assumption: time for one that does to stop
+_CCRB_DURATION = 10.0  # s, our assumption: the lead stands after 5.5
 _CNCAP_AEB_KMH = {"ccrs": (20, 40), "ccrm": (30, 50)}  # from another source (evidence.md); at others it tests warnings
 
 
@@ -109,8 +109,8 @@ LEGEND = (
     "relative speed at contact [km/h]; no number: no contact. Its bands go by the speed of the tested car, in CCRm "
     "too, where a car that does not brake at all therefore still gets brown up to 50 km/h.",
     "CCRs: the target stands; CCRm: it drives 20 km/h; CCRb: 50 km/h, 1 s ahead, brakes with 4 m/s2; left turn: across "
-    "an oncoming e-bike of 20 km/h on the path of Yan et al. 2025, like CBTA, only avoiding counts. Robots drive all but the AEB; one run per "
-    "test. Percentages behind a case: overlap, which makes no difference to ideal sensing.",
+    "an oncoming e-bike of 20 km/h on the path of Yan et al. 2025, like CBTA, only avoiding counts. Behind the name: "
+    "overlap, which makes no difference to ideal sensing. Robots drive, and only the AEB brakes; one run per test.",
     "Euro NCAP %: mean score of the cells (1, 3/4, 1/2, 1/4, 0), every cell alike. It is not the official result, "
     "which weighs standard range, extended range and robustness 80:10:10 over its own grid.",
     "C-NCAP %: share of the relative speed taken away, mean over the speeds at which C-NCAP tests the AEB (CCRs 20 to "

@@ -60,8 +60,8 @@ RADAR = Sensor(
 CAMERA = Sensor(
     reach=120.0,  # our assumption
     field_of_view=52.0,  # from another source: Yan et al. 2025, 3 (printed there)
-    range_noise=1.0,  # our assumption
-    rate_noise=0.30,  # our assumption: how fast the image grows
+    range_noise=0.5,  # our assumption
+    rate_noise=0.10,  # our assumption: how fast the image grows
     lateral_noise=0.05,  # our assumption
     detect=((0.0, 8.0), (0.5, 14.65), (0.75, 100.0), (1.0, 120.0)),
 )

@@ -35,6 +35,7 @@ _STYLES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (6, 2, 1, 2)), (0, (1, 1.2)), 
 _MARKERS = ("o", "s", "^", "D", "v", "P")
 _GREY = "0.45"
 _TTC = 6.0  # s, top of the TTC panel
+_MOVES = 0.05  # m/s2, below this nothing happens any more
 _AFTER = 1.0  # s of the time axis after everything has ended
 _DPI = 160
 _AROUND = 4.0  # m of road around the turning paths
@@ -311,7 +312,8 @@ def _end(drive: Drive) -> float:
     """When there is nothing more to see [s]."""
     if drive.crashed:
         return drive.crash_time
-    return float(drive.time[drive.ended if drive.triggered >= 0 else -1])
+    moves = (_column(drive.ego, "phase") > 0) | (np.abs(_deceleration(drive)) > _MOVES)
+    return float(drive.time[np.flatnonzero(moves)[-1] if moves.any() else -1])
 
 
 def _leads(drives: Mapping[str, Drive]) -> dict[str, Drive]:

@@ -21,7 +21,7 @@ START = 600.0
 
 _LENGTH, _WIDTH = 4.6, 1.82  # m, of both cars; from another source (seeds.md 4.4), for Yan's car
 _EBIKE_LENGTH = 1.8  # m, the same
-_MEET = 8.0  # s after the start of a left turn, our assumption: long enough for any warning
+_MEET = 6.0  # s after the start of a left turn, our assumption: long enough for any warning
 
 _CAR = (
     f'vClass="passenger" length="{_LENGTH}" width="{_WIDTH}" sigma="0" speedDev="0" maxSpeed="60" '
@@ -116,7 +116,7 @@ def left_turn(
         errors=Errors(robots=Robots()),
         mu=mu,
         step_length=step_length,
-        duration=_MEET + 6.0,
+        duration=_MEET + 3.0,
     )
 
 

@@ -52,8 +52,8 @@ class Staged(Strategy):
     source: ClassVar[str] = "shared/seeds 002: AEB tests of cars M and N in CCRm 40/20 at 100 % and 50 % overlap"
     sensing: ClassVar[str] = "fusion"
 
-    warn_ttc: float = within(2.64, 0.1, 10.0)
-    brake_ttc: float = within(0.87, 0.1, 10.0)
+    warn_ttc: float = within(2.62, 0.1, 10.0)
+    brake_ttc: float = within(0.88, 0.1, 10.0)
     late_ttc: float = within(2.0, 0.0, 10.0)
     jab: float = within(1.92, 0.0, 12.0)
     jab_time: float = within(0.2, 0.0, 5.0)

@@ -23,8 +23,8 @@ class StagedM(Staged):
     name: ClassVar[str] = "staged_m"
     sensing: ClassVar[str] = "radar"
 
-    warn_ttc: float = within(2.57, 0.1, 10.0)
-    brake_ttc: float = within(0.745, 0.1, 10.0)
+    warn_ttc: float = within(2.555, 0.1, 10.0)
+    brake_ttc: float = within(0.755, 0.1, 10.0)
     jab_time: float = within(0.0, 0.0, 5.0)
     level_one: float = within(4.34, 0.0, 12.0)
     level_two: float = within(9.50, 0.0, 12.0)
