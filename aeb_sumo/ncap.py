@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from aeb_sumo.drive import Case, Drive, body_distance, drive_all
 from aeb_sumo.errors import InputError
 from aeb_sumo.perception.suites import suite
-from aeb_sumo.reproduction.drive import Case, Drive, body_distance, drive_all
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.scenarios.cases import approach, left_turn
 from aeb_sumo.scores import (

@@ -5,7 +5,7 @@ import sys
 import click
 
 import aeb_sumo
-from aeb_sumo.cli_ncap import ncap
+from aeb_sumo.cli.ncap import ncap
 from aeb_sumo.cli.reproduce import reproduce
 from aeb_sumo.cli.run import run
 from aeb_sumo.cli.tables import compare, tables

@@ -19,8 +19,10 @@ def system_options(command: C) -> C:
     """Adds `--sensing`, `--params` and `--set`; the command gets `sensing` (checked) and `parameters` (merged)."""
 
     @click.option("--sensing", help=f"Sensors: {', '.join(SUITES)}. [default: the system's own]")
-    @click.option("--params", type=click.Path(path_type=Path), help="TOML file with parameters of the AEB.")
-    @click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="A parameter of the AEB; repeatable.")
+    @click.option("--params", type=click.Path(path_type=Path), help="TOML file with parameters of the AEB; --set wins.")
+    @click.option(
+        "--set", "assignments", multiple=True, metavar="NAME=VALUE", help="A parameter of the AEB; repeatable."
+    )
     @wraps(command)
     def with_system(
         *args: Any, sensing: str | None, params: Path | None, assignments: tuple[str, ...], **options: Any

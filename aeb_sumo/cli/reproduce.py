@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 from rich.progress import Progress
 from rich.table import Table
 
@@ -23,8 +24,12 @@ _WIDTH = 150  # of the printed table where there is no terminal to ask
 @click.command()
 @click.argument("systems", nargs=-1, metavar="[SYSTEM]...")
 @click.option("--json", "json_file", type=click.Path(path_type=Path, dir_okay=False), help="Write the rows here too.")
-@click.option("--figures", type=click.Path(path_type=Path, file_okay=False), help="Folder for figures like the sources'.")
-@click.option("--format", "kind", type=click.Choice(["svg", "png"]), default="svg", show_default=True, help="Of figures.")
+@click.option(
+    "--figures", type=click.Path(path_type=Path, file_okay=False), help="Folder for figures like the sources'."
+)
+@click.option(
+    "--format", "kind", type=click.Choice(["svg", "png"]), default="svg", show_default=True, help="Of figures."
+)
 @click.option("--workers", type=click.IntRange(1), help="Processes. [default: one per processor]")
 @click.option("--quiet", is_flag=True, help="Print the misses only, and the count.")
 def reproduce(
@@ -32,7 +37,7 @@ def reproduce(
 ) -> int:
     """Run the published tests of SYSTEM (all, if none is given) in SUMO; print the truth table row by row.
 
-    Exit status 1 when a row marked R (reproducible) or C (reproducible with a calibrated parameter) is out of tolerance.
+    Exit status 1 when a row marked R (reproducible) or C (with a calibrated parameter) is out of tolerance.
     """
     chosen = [reproduction.load(name) for name in dict.fromkeys(systems or reproduction.names())]
     for path in (json_file, figures):
@@ -48,7 +53,9 @@ def reproduce(
         _print(system, rows[system.name], missed_only=quiet)
     if json_file is not None:
         records = [_record(name, row) for name, part in rows.items() for row in part]
-        json_file.write_text(json.dumps(records, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+        json_file.write_text(
+            json.dumps(records, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
+        )
     if figures is not None:
         for system in chosen:
             paths = save(system.figures(drives[system.name]), figures / system.name, kind)
@@ -108,5 +115,6 @@ def _words(row: Row) -> str:
 
 
 def _record(system: str, row: Row) -> dict[str, Any]:
-    values = {name: None if value != value else value for name, value in asdict(row).items()}  # nan: there was none
+    nothing = isinstance(row.ours, float) and not np.isfinite(row.ours)  # JSON has no nan
+    values = asdict(row) | ({"ours": None} if nothing else {})
     return {"system": system, **values, "counted": row.counted, "missed": row.missed}

@@ -16,8 +16,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MultipleLocator
 
+from aeb_sumo.drive import Drive, body_distance
 from aeb_sumo.errors import InputError
-from aeb_sumo.reproduction.drive import Drive, body_distance
 from aeb_sumo.soa import Floats
 from aeb_sumo.strategies.base import Phase
 from aeb_sumo.units import to_kmh

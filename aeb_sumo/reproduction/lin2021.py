@@ -1,19 +1,19 @@
 """Rows L1 to L15: Lin et al. 2021."""
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from aeb_sumo.drive import Case, Drive
 from aeb_sumo.reproduction import figures
-from aeb_sumo.reproduction.drive import Case, Drive
 from aeb_sumo.reproduction.rows import Row, Verdict, listed, within
 from aeb_sumo.reproduction.system import Drives, System
 from aeb_sumo.scenarios.cases import START, approach
 from aeb_sumo.strategies.base import Demand, Percept, Phase
 from aeb_sumo.strategies.lin2021 import Lin2021, Lin2021State
 from aeb_sumo.strategies.lin2021_fixed import Lin2021Fixed
-from aeb_sumo.units import KMH, to_kmh
+from aeb_sumo.units import KMH
 from aeb_sumo.world.friction import Stretch
 
 __all__ = ["SYSTEM"]
@@ -48,15 +48,15 @@ class _TrippedAt(Lin2021):
 
 def cases() -> dict[str, Case]:
     """The four scenarios of 3.1 to 3.4, and the joint road of Figure 3."""
-    slow = {"ego": 45 * KMH, "lead": 20 * KMH, "gap": 50.0, "mu": 0.3}
-    braking = {"ego": 50 * KMH, "lead": 50 * KMH, "gap": 12.0, "mu": 0.7, "braking": _LEAD_BRAKES}
+    slow: dict[str, Any] = {"ego": 45 * KMH, "lead": 20 * KMH, "gap": 50.0, "mu": 0.3}
+    braking: dict[str, Any] = {"ego": 50 * KMH, "lead": 50 * KMH, "gap": 12.0, "mu": 0.7, "braking": _LEAD_BRAKES}
     adaptive, fixed = Lin2021(), Lin2021Fixed()
     tripped = _TrippedAt(brake=replace(fixed.brake, dead_time=0.085))
     jump = Stretch(road="track", mu=0.6, start=START + 45.0)
     joint = Stretch(road="track", mu=0.5, start=START + _JOINT)
 
-    def case(name: str, strategy: Lin2021, *, until_over: bool = True, **set_up: object) -> Case:
-        scenario = approach(name, step_length=_STEP, **set_up)  # type: ignore[arg-type]
+    def case(name: str, strategy: Lin2021, *, until_over: bool = True, **set_up: Any) -> Case:
+        scenario = approach(name, step_length=_STEP, **set_up)
         return Case(scenario=scenario, strategy=strategy, until_over=until_over)
 
     result = {
@@ -97,10 +97,10 @@ def rows(drives: Drives) -> list[Row]:
             "calibrated: dead time 0.14 s",
         ),
         within("L5", "S1 traditional: crash at", "s", 7.4, old.crash_time, 0.2, R),
-        within("L5", "S1 traditional: own speed at the crash", "km/h", 32.0, float(to_kmh(old.crash_speed)), 1.0, R),
+        within("L5", "S1 traditional: own speed at the crash", "km/h", 32.0, old.crash_speed / KMH, 1.0, R),
         within(
             "L6", "S2 adaptive, tripped at the printed 8.22 m: smallest gap", "m", 1.8, imposed.final_gap, 0.3, C,
-            "calibrated: lead brakes with 4 m/s2, dead time 0.085 s; the trip is imposed, eqs. 22 and 23 do not give it",
+            "calibrated: lead brakes with 4 m/s2, dead time 0.085 s; trip imposed: eqs. 22 and 23 do not give it",
         ),
         listed(
             "L7", "S2 adaptive: TTC when it acts", "s", 1.87, two.at(two.ttc, two.triggered), I,
@@ -115,7 +115,7 @@ def rows(drives: Drives) -> list[Row]:
             "0.7 g from 5.63 s agrees in time and speed but overshoots the gap by 1.95 m; the adaptive system crashes "
             f"here too: {_crash(two)}",
         ),
-        within("L10", "S3: distance travelled when it brakes", "m", 42.5, _travelled(three, three.braking), 0.2, C, dead),
+        within("L10", "S3: travelled when it brakes", "m", 42.5, _travelled(three, three.braking), 0.2, C, dead),
         within("L11", "S3: gap 0.5 s later", "m", 4.3, three.at(three.gap, later), 0.15, R, "friction changes at 45 m"),
         within("L11", "S3: final gap", "m", 2.4, three.final_gap, 0.15, R, "friction changes at 45 m"),
         listed(
@@ -136,7 +136,7 @@ def rows(drives: Drives) -> list[Row]:
     return [
         *result,
         within("L14", "friction estimate on mu 0.8, farthest", "", 0.8, _farthest(before, 0.8), 0.05, C, tie),
-        within("L14", "joint 0.8 to 0.5: within 0.05 for good after", "s", 0.0, learned, 0.2, C, tie + "; figures only"),
+        within("L14", "joint 0.8 to 0.5: within 0.05 after", "s", 0.0, learned, 0.2, C, tie + "; figures only"),
         listed(
             "L15", "braking distance of the emergency, in v2 / (mu g)", "", "0.625 and 0.5", "0.625", I,
             "eq. 22 has 0.667 and 0.8 mu g, eq. 23 has 0.6 and 1.0 mu g; only eq. 22 agrees with the results",
@@ -145,7 +145,7 @@ def rows(drives: Drives) -> list[Row]:
 
 
 def _crash(drive: Drive) -> str:
-    return f"{drive.crash_time:.2f} s, {to_kmh(drive.crash_speed):.0f} km/h" if drive.crashed else "none"
+    return f"{drive.crash_time:.2f} s, {drive.crash_speed / KMH:.0f} km/h" if drive.crashed else "none"
 
 
 def _travelled(drive: Drive, index: int) -> float:

@@ -1,10 +1,10 @@
 """What a reproduction consists of, and running it."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from aeb_sumo.reproduction.drive import Case, Drive, drive_all
+from aeb_sumo.drive import Case, Drive, drive_all
 from aeb_sumo.reproduction.rows import Row
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class System:
 
 
 def run_cases(
-    systems: Iterable[System], *, workers: int | None = None, done: Callable[[], None] | None = None
+    systems: Sequence[System], *, workers: int | None = None, done: Callable[[], None] | None = None
 ) -> dict[str, Drives]:
     """Run the cases of some systems in SUMO, several processes at a time (one simulation each).
 
@@ -44,8 +44,8 @@ def run_cases(
         workers: processes; None for one per processor.
         done: called after every case.
     """
+    results: dict[str, dict[str, Drive]] = {system.name: {} for system in systems}
     jobs = {(system.name, name): case for system in systems for name, case in system.cases().items()}
-    results: dict[str, dict[str, Drive]] = {system: {} for system, _ in jobs}
-    for (system, name), result in drive_all(jobs, workers=workers, done=done).items():
-        results[system][name] = result
+    for (system_name, name), result in drive_all(jobs, workers=workers, done=done).items():
+        results[system_name][name] = result
     return dict(results)

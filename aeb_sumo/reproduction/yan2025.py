@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from aeb_sumo.drive import Case, Drive, body_distance
 from aeb_sumo.reproduction import figures
-from aeb_sumo.reproduction.drive import Case, Drive, body_distance
 from aeb_sumo.reproduction.rows import Row, Verdict, agrees, listed, within
 from aeb_sumo.reproduction.system import Drives, System
 from aeb_sumo.scenarios.cases import left_turn

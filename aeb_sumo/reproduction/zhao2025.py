@@ -1,7 +1,7 @@
 """Rows Z1 to Z24: Zhao et al. 2025."""
 
+from aeb_sumo.drive import Case
 from aeb_sumo.reproduction import figures
-from aeb_sumo.reproduction.drive import Case
 from aeb_sumo.reproduction.rows import Row, Verdict, agrees, listed, within
 from aeb_sumo.reproduction.system import Drives, System
 from aeb_sumo.scenarios.cases import approach

@@ -1,6 +1,7 @@
 """AEB strategies: from what a vehicle knows to what it demands. One published system, one file.
 
-A module of this package that defines `STRATEGY`, a subclass of `base.Strategy`, is found by itself; one from elsewhere comes through the entry-point group `aeb_sumo.strategies`.
+A module of this package that defines `STRATEGY`, a subclass of `base.Strategy`, is found by itself; one from elsewhere
+comes through the entry-point group `aeb_sumo.strategies`.
 """
 
 from collections.abc import Mapping

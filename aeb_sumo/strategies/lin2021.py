@@ -1,8 +1,8 @@
 """Lin et al. 2021: time-to-collision thresholds that follow the friction of the road.
 
 Lin G., Lu C., Han L., Liu J.: Co-simulation of Active Braking and Collision Avoidance Algorithm for Intelligent
-Connected Vehicles. Computer Technology and Development 31(7), 1-6, 2021. Equation numbers below are this paper's; "seeds"
-is shared/seeds.md, section 2 and A12 ... A18.
+Connected Vehicles. Computer Technology and Development 31(7), 1-6, 2021. Equation numbers below are this paper's;
+"seeds" is shared/seeds.md, section 2 and A12 ... A18.
 """
 
 from dataclasses import dataclass, field

@@ -42,8 +42,8 @@ class Yan2025(Strategy):
         brake_ttc: [s], printed (1.0).
         decel: for two-wheelers and pedestrians [m/s2], printed (9).
         decel_slow, decel_medium: for vehicles below `slow` and below `fast` [m/s2], printed (3 and 6; above: `decel`).
-        slow, fast: closing speeds that divide the levels [m/s]; "by relative speed" is printed, 20 and 40 km/h are our
-            assumption: about what a stop within 1 s of TTC takes.
+        slow, fast: closing speeds that divide the levels [m/s]; "by relative speed" is printed, 15 and 30 km/h are our
+            assumption: up to there 3 and 6 m/s2 can still stop the car from a TTC of 1 s.
         brake: dead time and build-up, from another source (seeds 4.4, the rule as printed, not fitted). The fit to
             Table 2 needs others, see `aeb_sumo.reproduction.yan2025`.
     """
@@ -60,8 +60,8 @@ class Yan2025(Strategy):
     decel: float = within(9.0, 0.0, 12.0)
     decel_slow: float = within(3.0, 0.0, 12.0)
     decel_medium: float = within(6.0, 0.0, 12.0)
-    slow: float = 20 * KMH
-    fast: float = 40 * KMH
+    slow: float = 15 * KMH
+    fast: float = 30 * KMH
     brake: BrakeParams = field(
         default_factory=lambda: BrakeParams(dead_time=0.12, lag=0.0, build_up=30.0, release=30.0, open_loop=True)
     )

@@ -65,9 +65,7 @@ def _surface() -> Surface:
 
 
 def _brake() -> BrakeParams:
-    return BrakeParams(
-        dead_time=0.0, lag=0.05, build_up=np.inf, release=np.inf, pid=tuned(lag=0.05, dead_time=0.0)
-    )
+    return BrakeParams(dead_time=0.0, lag=0.05, build_up=np.inf, release=np.inf, pid=tuned(lag=0.05, dead_time=0.0))
 
 
 @dataclass(frozen=True)

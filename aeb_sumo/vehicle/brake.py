@@ -62,7 +62,8 @@ class BrakeParams:
         """(n,) dead time on roads of friction `mu` [s]."""
         if not self.dead_time_by_mu:
             return np.full(len(mu), self.dead_time)
-        return np.interp(mu, *np.array(self.dead_time_by_mu).T)
+        result: Floats = np.interp(mu, *np.array(self.dead_time_by_mu).T)
+        return result
 
     def longest_dead_time(self) -> float:
         """The longest dead time on any road [s]."""

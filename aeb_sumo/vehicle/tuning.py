@@ -13,14 +13,14 @@ from aeb_sumo.vehicle.lower_controller import PidParams
 __all__ = ["LOWER", "STEPS", "UPPER", "itae", "step_response", "tuned"]
 
 STEPS = (2.0, 4.0, 6.0, 8.0)
-"""Demands in the tuning manoeuvres, each from 0 at t = 0 [m/s2], our assumption. Several, since the build-up is limited:
+"""Demands in the tuning manoeuvres, from 0 at t = 0 [m/s2], our assumption. Several: where the build-up is limited,
 gains tuned on one height overshoot at another."""
 
 DURATION = 2.0
 """Length of the tuning manoeuvre [s], our assumption."""
 
 LOWER, UPPER = (0.05, 0.05, 0.0), (1.0, 0.5, 0.1)
-"""Bounds of kp, ti [s] and td [s], our assumption: calibrated. They decide where the brake has no dead time, see `tuned`;
+"""Bounds of kp, ti [s] and td [s], our assumption: calibrated. They decide where the brake has no dead time (`tuned`);
 there they leave the loop the lag of 0.05 s that the published results of Zhao et al. ask for (shared/seeds.md 8)."""
 
 
@@ -76,8 +76,8 @@ def tuned(
     dead time 0.1 s            0.59   0.082  0.026  0.0118 (0.0273)  0.15 to 0.17  7 %
     =========================  =====  =====  =====  ===============  ============  =========
 
-    Nothing stops a loop around a pure lag from being ever faster, and the source prints no bounds: without dead time the
-    gains are those of the bounds.
+    Nothing stops a loop around a pure lag from being ever faster, and the source prints no bounds: without dead time
+    the gains are those of the bounds.
 
     Args:
         lag: time constant of the brake [s].

@@ -46,8 +46,8 @@ def random_percepts(n=400, seed=0, **values):
 def drive(system, percepts):
     """Two different situations after one another, so that the memory is not fresh."""
     state = system.init(len(percepts[0].gap))
-    for percept in percepts:
-        state, demand = system.step(state, percept, DT)
+    for each in percepts:
+        state, demand = system.step(state, each, DT)
     return state, demand
 
 

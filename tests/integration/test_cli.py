@@ -59,7 +59,7 @@ BAD = [
     (("run", "nowhere"), ["nowhere", "highway, track, w0"]),
     (("run",), ["SCENARIO", "--sumocfg"]),
     (("run", "w0", "--sumocfg", "x.sumocfg"), ["SCENARIO", "--sumocfg"]),
-    (("run", "highway", "--strategy", "magic"), ["magic", "none, zhao2025"]),
+    (("run", "highway", "--strategy", "magic"), ["magic", "none, staged, staged_m, yan2025, zhao2025"]),
     (("run", "highway", "--compare", "--strategy", "none"), ["--compare", "none"]),
     (("run", "highway", "--drivers", "drunk"), ["drunk", "attentive, distracted"]),
     (("run", "highway", "--magic"), ["--magic", "--penetration"]),

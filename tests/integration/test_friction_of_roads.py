@@ -54,7 +54,11 @@ def test_others_are_told_the_truth():
 def test_without_braking_nothing_is_learned():
     trace = Trace(EGO)
     joint = Stretch(road="track", mu=0.5, start=START + 30)
-    run(approach("joint", ego=20.0, lead=25.0, gap=50.0, mu=0.8, stretches=(joint,), duration=5.0), "lin2021", trace=trace)
+    run(
+        approach("joint", ego=20.0, lead=25.0, gap=50.0, mu=0.8, stretches=(joint,), duration=5.0),
+        "lin2021",
+        trace=trace,
+    )
     assert np.abs(trace.frame()["mu_known"] - 0.8).max() < 0.01
 
 

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 from aeb_sumo import ncap as grid
 from aeb_sumo import strategies
-from aeb_sumo.cli_ncap import ncap
+from aeb_sumo.cli.ncap import ncap
 from aeb_sumo.errors import InputError
 from aeb_sumo.ncap import Cell, run_grid
 from aeb_sumo.units import KMH

@@ -46,7 +46,10 @@ def test_a_number_that_is_not_there_does_not_agree():
 
 def test_exit_status_and_json(tmp_path, monkeypatch):
     """One row that agrees and one that does not, of a system without cases."""
-    rows = [within("A1", "good", "s", 1.0, 1.0, 0.1, Verdict.R), within("A2", "bad", "m", 1.0, float("nan"), 0.1, Verdict.C)]
+    rows = [
+        within("A1", "good", "s", 1.0, 1.0, 0.1, Verdict.R),
+        within("A2", "bad", "m", 1.0, float("nan"), 0.1, Verdict.C),
+    ]
     system = reproduction.System(name="x", source="y", cases=dict, rows=lambda _: rows, figures=lambda _: {})
     monkeypatch.setattr(reproduction, "load", lambda _: system)
     result = CliRunner().invoke(reproduce, ["x", "--json", str(tmp_path / "rows.json")], standalone_mode=False)
@@ -60,5 +63,7 @@ def test_exit_status_and_json(tmp_path, monkeypatch):
 
 
 def test_an_unknown_system_is_named():
-    with pytest.raises(InputError, match="unknown system 'lin'; there are: lin2021, staged, yan2025, zhao2025, zheng2020"):
+    with pytest.raises(
+        InputError, match="unknown system 'lin'; there are: lin2021, staged, yan2025, zhao2025, zheng2020"
+    ):
         reproduction.load("lin")

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from aeb_sumo.drive import Drive
 from aeb_sumo.errors import InputError
 from aeb_sumo.reproduction import figures
-from aeb_sumo.reproduction.drive import Drive
 from sumo_nets.left_turn.sources import OFFSET, crossing, start_of_turn
 
 NAN = float("nan")

@@ -69,7 +69,7 @@ def test_a_file_of_parameters(tmp_path):
 
 
 def test_a_file_that_cannot_be_read(tmp_path):
-    with pytest.raises(InputError, match="cannot read the parameter file .*No such file"):
+    with pytest.raises(InputError, match=r"cannot read the parameter file .*No such file"):
         read_file(tmp_path / "none.toml")
     (tmp_path / "bad.toml").write_text("a = = b")
     with pytest.raises(InputError, match=r"bad.toml is no TOML"):

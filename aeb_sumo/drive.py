@@ -1,4 +1,4 @@
-"""One run of a test case, and what the sources report of such runs: instants, gaps, peaks."""
+"""One run of a test case on the proving ground, and what sources report of it: instants, gaps, peaks."""
 
 from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import ProcessPoolExecutor
@@ -31,7 +31,7 @@ _OVER = 0.5  # s
 class Case:
     """What is run: a scenario with an `ego` and a `target`, the AEB of the ego, its sensors and the seed.
 
-    `until_over` ends it when the ego has braked and nothing closes in any more.
+    `until_over` ends it soon after a contact, or when the ego has braked and nothing closes in any more.
     """
 
     scenario: Scenario
@@ -83,7 +83,9 @@ class Drive:
     @property
     def ttc(self) -> Floats:
         """(k,) gap by closing speed [s]."""
-        return np.divide(self.gap, self.closing, out=np.full(len(self.gap), np.inf), where=self.closing > 0)
+        never = np.full(len(self.gap), np.inf)
+        result: Floats = np.divide(self.gap, self.closing, out=never, where=self.closing > 0)
+        return result
 
     def first(self, condition: Bools) -> int:
         """Index of the first instant at which something holds; -1 if it never does."""
@@ -208,7 +210,7 @@ def drive_all(
 
 
 class _Over:
-    """An approach is over when the ego has braked and then, for a while, nothing has closed in any more."""
+    """An approach is over when, for a while, the ego has had contact, or has braked and nothing closes in any more."""
 
     def __init__(self, trace: Trace) -> None:
         self._trace = trace
@@ -221,7 +223,8 @@ class _Over:
             return False
         ego, target = rows[EGO], rows[TARGET]
         self._braked |= ego["phase"] >= Phase.PARTIAL_BRAKE
-        if self._braked and ego["speed_mps"] - target["speed_mps"] <= _STANDS:
+        touching = np.hypot(target["x_m"] - ego["x_m"], target["y_m"] - ego["y_m"]) <= target["length_m"]
+        if touching or (self._braked and ego["speed_mps"] - target["speed_mps"] <= _STANDS):
             self._since = min(self._since, ego["time_s"])
         else:
             self._since = float("inf")

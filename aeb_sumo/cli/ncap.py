@@ -1,6 +1,7 @@
 """The command `aeb-sumo ncap`."""
 
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -11,12 +12,14 @@ from rich.table import Table
 from rich.text import Text
 
 from aeb_sumo import ncap as grid
-from aeb_sumo import parameters, strategies
+from aeb_sumo import strategies
+from aeb_sumo.cli.options import system_options
+from aeb_sumo.cli.show import console
 from aeb_sumo.errors import InputError
+from aeb_sumo.parameters import differences
 
 __all__ = ["ncap"]
 
-_WIDTH = 110  # of the output where there is no terminal to ask
 _STYLES = {
     "green": "black on green",
     "yellow": "black on yellow",
@@ -28,9 +31,7 @@ _STYLES = {
 
 @click.command()
 @click.argument("strategy")
-@click.option("--sensing", help="What the car sees with: ideal, radar, camera, fusion. [default: the strategy's own]")
-@click.option("--set", "assignments", multiple=True, metavar="NAME=VALUE", help="Change a parameter of the strategy.")
-@click.option("--params", type=click.Path(path_type=Path), help="TOML file with parameters; --set wins over it.")
+@system_options
 @click.option("--mu", type=float, default=grid.MU, show_default=True, help="Friction coefficient of the road.")
 @click.option("--workers", type=click.IntRange(1), help="Processes. [default: one per processor]")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Write one record per test to this file.")
@@ -38,8 +39,7 @@ _STYLES = {
 def ncap(
     strategy: str,
     sensing: str | None,
-    assignments: tuple[str, ...],
-    params: Path | None,
+    parameters: dict[str, Any],
     mu: float,
     workers: int | None,
     target: Path | None,
@@ -49,8 +49,7 @@ def ncap(
 
     Car to car behind a standing, a moving and a braking lead at 100 and 50 % overlap, and a left turn across an e-bike.
     """
-    values = (parameters.read_file(params) if params is not None else {}) | parameters.parse(assignments)
-    brain = strategies.load(strategy, values)
+    brain = strategies.load(strategy, parameters)
     if target is not None and (target.is_dir() or not target.parent.is_dir()):
         raise InputError(f"--json {target}: {'a folder' if target.is_dir() else 'its folder does not exist'}")
     screen = Console(stderr=True)
@@ -66,7 +65,7 @@ def ncap(
         except OSError as error:
             raise InputError(f"cannot write --json {target}: {error.strerror}") from None
     if not quiet:
-        _print(rows, " ".join(filter(None, (strategy, parameters.differences(brain)))))
+        _print(rows, " ".join(filter(None, (strategy, differences(brain)))))
     failed = rows[rows["error"] != ""]
     if len(failed):
         where = ", ".join(
@@ -78,9 +77,6 @@ def ncap(
 
 def _print(rows: pd.DataFrame, name: str) -> None:
     """One line per case and overlap, one column per test speed, then the points; below, what they mean."""
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=_WIDTH)
     first = rows.iloc[0]
     table = Table(title=f"{name}, sensing {first['sensing']}, mu {first['mu']:g}", title_justify="left")
     table.add_column("km/h", no_wrap=True)
@@ -103,9 +99,10 @@ def _print(rows: pd.DataFrame, name: str) -> None:
             *(_percent(each[f"{protocol}_percent"]) for protocol in ("euroncap", "cncap")),
             *(_share(each[f"{test}_passed"], each[f"{test}_cells"]) for test in ("r152", "windows")),
         )
-    console.print(table)
+    page = console()
+    page.print(table)
     for paragraph in grid.LEGEND:
-        console.print(Text(paragraph))
+        page.print(Text(paragraph))
 
 
 def _cell(row: pd.Series) -> Text:
