@@ -21,10 +21,11 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.soa import Floats
 from aeb_sumo.strategies.base import Phase
 from aeb_sumo.units import to_kmh
+from aeb_sumo.vehicle.inverse_dynamics import Sedan, pressure_of, throttle_of
 from sumo_nets.left_turn.sources import OFFSET, crossing, start_of_turn
 from sumo_nets.turning_path import YAN_TABLE_3
 
-__all__ = ["KINDS", "Figure", "approach", "friction", "repeats", "save", "turning_paths"]
+__all__ = ["KINDS", "Figure", "approach", "friction", "pedals", "repeats", "save", "turning_paths"]
 
 KINDS = ("svg", "png")
 """Kinds of file that `save` writes."""
@@ -94,6 +95,28 @@ def approach(title: str, drives: Drive | Mapping[str, Drive], *, ttc: bool = Fal
         handles.append(_sample(marker="X", color="white", mec="black", ls="none", ms=8))
         labels.append("crash")
     _finish(figure, panels, named.values(), handles, labels)
+    return figure
+
+
+def pedals(title: str, drive: Drive) -> Figure:
+    """Throttle and brake pressure that the drive takes, by the inverse dynamics of Zhao et al. 2025 (eqs. 8 to 11).
+
+    Args:
+        title: of the figure.
+        drive: one drive.
+    """
+    figure = _empty(7.0, 4.2)
+    figure.suptitle(title)
+    panels: list[Axes] = list(figure.subplots(2, 1, sharex=True))
+    car, speed, decel = Sedan(), _column(drive.ego, "speed_mps"), _deceleration(drive)
+    look = {"color": _COLOURS[0], "lw": 1.6}
+    throttle = np.where((decel > _MOVES) | (speed <= 0), 0.0, throttle_of(car, accel=-decel, speed=speed))
+    pressure = pressure_of(car, decel=np.maximum(decel, 0.0), speed=speed, mu=_column(drive.ego, "mu"))
+    panels[0].plot(*_until_end(drive, throttle), **look)
+    panels[1].plot(*_until_end(drive, pressure / 1e6), **look)
+    panels[0].set(ylabel="throttle [-]", ylim=(-0.02, None))
+    panels[1].set(ylabel="pressure [MPa]")
+    _finish(figure, panels, [drive], [], [])
     return figure
 
 
@@ -351,6 +374,8 @@ def _finish(
 
 def _legend(figure: Figure, handles: list[Any], labels: list[str]) -> None:
     """Below the panels, in as few rows as fit."""
+    if not labels:
+        return
     sizes = np.array([0.8 + 0.08 * len(label) for label in labels])  # in, roughly
     columns = len(labels)
     while columns > 1 and sum(part.max() for part in np.array_split(sizes, columns)) > figure.get_figwidth():

@@ -134,6 +134,7 @@ SYSTEM = System(
     cases=cases,
     rows=rows,
     figures=lambda drives: {
-        name.replace(" ", "_").replace("/", "_per_"): figures.approach(name, drives[name]) for name in CASES
+        **{name.replace(" ", "_").replace("/", "_per_"): figures.approach(name, drives[name]) for name in CASES},
+        "CCRs_30_pedals": figures.pedals("CCRs 30", drives["CCRs 30"]),
     },
 )
