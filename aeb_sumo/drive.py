@@ -140,8 +140,8 @@ class Drive:
     @property
     def peak(self) -> float:
         """Largest deceleration until nothing closes in any more [m/s2]."""
-        stop = self.first(self.time >= self.crash_time) if self.crashed else self.ended
-        return float(np.max(-self.ego["accel_mps2"].to_numpy()[: stop + 1]))
+        until = self.time <= (self.crash_time if self.crashed else self.time[self.ended])
+        return float(np.max(-self.ego["accel_mps2"].to_numpy()[until]))
 
 
 def drive(case: Case) -> Drive:
@@ -156,9 +156,11 @@ def drive(case: Case) -> Drive:
     if results.runs["outcome"].iloc[0] == "failed":
         raise SumoError(str(results.runs["reason"].iloc[0]))
     frame = trace.frame()
-    both = {name: part.reset_index(drop=True) for name, part in frame.groupby("vehicle")}
-    n = min(len(part) for part in both.values())
-    ego, target = both[EGO][:n], both[TARGET][:n]
+    both = {name: part.set_index("time_s", drop=False) for name, part in frame.groupby("vehicle")}
+    if len(both) < 2:
+        raise SumoError(f"{case.scenario.name}: ego and target were never on the road together")
+    together = both[EGO].index.intersection(both[TARGET].index)
+    ego, target = (both[name].loc[together].reset_index(drop=True) for name in (EGO, TARGET))
     start = float(ego["time_s"].iloc[0])
     crash = results.crashes.iloc[0] if len(results.crashes) else None
     own = "striker" if crash is not None and crash["striker"] == EGO else "struck"

@@ -45,17 +45,29 @@ class Fleet:
     """
 
     def __init__(
-        self, traffic: Traffic, paths: Paths, friction: Friction, strategy: Strategy, suite: Suite, seed: int
+        self,
+        traffic: Traffic,
+        paths: Paths,
+        friction: Friction,
+        strategy: Strategy,
+        suite: Suite,
+        *,
+        sublane: bool,
+        seed: int,
     ) -> None:
         self._traffic = traffic
         self._friction = friction
         self._strategy = strategy
-        self._lookout = Lookout(traffic, paths, suite, strategy.gaze, seed)
-        self.grip = Grip(traffic, friction, estimates=strategy.estimates_friction, seed=seed)
+        self._lookout = Lookout(traffic, paths, suite, strategy.gaze, sublane=sublane, seed=seed)
+        self.grip = Grip(
+            traffic, friction, estimates=strategy.estimates_friction, prior=strategy.friction_prior, seed=seed
+        )
         self._capacity = 0
         self._memory = strategy.init(0)
         self._brake = brake_init(strategy.brake, 0, traffic.dt)
         self.demand = Demand.nothing(0)
+        self._held = Demand.nothing(0)  # the last demand of each, until its system works again
+        self._next: Floats = np.zeros(0)  # when that is [s]
         self.equipped: Bools = np.zeros(0, np.bool_)
         self.decel: Floats = np.zeros(0)
         self._last_phase: Ints = np.zeros(0, np.int64)
@@ -120,11 +132,17 @@ class Fleet:
             vulnerable=targets.vulnerable,
             mu=self.grip.known(rows),
         )
-        memory, demand = self._strategy.step(take(self._memory, rows), percept, dt)
-        put(self._memory, rows, memory)
-        put(self.demand, rows, demand)
-        self._last_phase[rows] = demand.phase
-        self._apply_brake(rows, demand)
+        # A system that works more slowly than the simulation holds its demand meanwhile.
+        due = time >= self._next[rows] - dt / 2
+        now = rows[due]
+        memory, demand = self._strategy.step(take(self._memory, now), take(percept, due), max(dt, self._strategy.cycle))
+        put(self._memory, now, memory)
+        put(self._held, now, demand)
+        cycle, last = self._strategy.cycle, self._next[now]
+        self._next[now] = np.where(last < time - cycle - dt / 2, time, last) + cycle
+        put(self.demand, rows, take(self._held, rows))
+        self._last_phase[rows] = self.demand.phase[rows]
+        self._apply_brake(rows, take(self._held, rows))
 
     def _working(self, rows: Ints) -> Bools:
         """Brakes that are on, hold a standing car, or have something on the way to them."""
@@ -198,21 +216,23 @@ class Fleet:
         n = len(rows)
         put(self._memory, rows, self._strategy.init(n))
         put(self._brake, rows, brake_init(self._strategy.brake, n, self._traffic.dt))
-        for array in (self._aimed, self._aimed_gap, self._hold, self._last_phase, self.decel):
+        put(self._held, rows, Demand.nothing(n))
+        for array in (self._aimed, self._aimed_gap, self._hold, self._last_phase, self._next, self.decel):
             array[rows] = 0
 
     def _fit(self) -> None:
         n = self._traffic.capacity
         if n == self._capacity:
             return
-        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase"):
+        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase", "_next"):
             setattr(self, name, fitted(getattr(self, name), n))
-        grown_memory, grown_brake, grown_demand = (
-            self._strategy.init(n), brake_init(self._strategy.brake, n, self._traffic.dt), Demand.nothing(n),
-        )  # fmt: skip
         old = np.arange(self._capacity)
-        put(grown_memory, old, self._memory)
-        put(grown_brake, old, self._brake)
-        put(grown_demand, old, self.demand)
-        self._memory, self._brake, self.demand = grown_memory, grown_brake, grown_demand
+        for name, grown in (
+            ("_memory", self._strategy.init(n)),
+            ("_brake", brake_init(self._strategy.brake, n, self._traffic.dt)),
+            ("demand", Demand.nothing(n)),
+            ("_held", Demand.nothing(n)),
+        ):
+            put(grown, old, getattr(self, name))
+            setattr(self, name, grown)
         self._capacity = n

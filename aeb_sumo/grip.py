@@ -5,6 +5,7 @@ import numpy as np
 from aeb_sumo.drivers.streams import number
 from aeb_sumo.perception.noise import Keys, normals
 from aeb_sumo.soa import Floats, Ints, fitted, put, take
+from aeb_sumo.units import G
 from aeb_sumo.vehicle.car import Car
 from aeb_sumo.vehicle.friction import (
     FrictionParams,
@@ -19,23 +20,28 @@ from aeb_sumo.world.observe import Traffic
 
 __all__ = ["Grip"]
 
-_ACCELEROMETER = 0.05  # m/s2, noise of the measured acceleration, our assumption
+_WHEEL_SPEED = 0.005  # m/s, noise of a wheel's speed against that of the car within 0.01 s, our assumption
+_GATE = 0.1  # of the weight, our assumption: below, that noise is as large as what there is to be seen
 
 
 class Grip:
     """Friction as the vehicles know it.
 
-    An estimating vehicle enters with the truth of that place, as if from the drive before (our assumption); from there
-    on it learns from its own wheels and accelerometer whenever it accelerates or brakes, and from nothing else. Curves
-    are left out, as in the source (Lin et al. 2021, 1.3).
+    An estimating vehicle enters with a prior, or with the truth of that place, as if from the drive before; from there
+    on it learns from its own wheels and accelerometer whenever it accelerates or brakes, and from nothing else. Both
+    are noisy. Its model of tyre and load is the plant's own and there is no grade, our assumption: that is kinder than
+    life. Curves are left out, as in the source (Lin et al. 2021, 1.3).
     """
 
-    def __init__(self, traffic: Traffic, friction: Friction, *, estimates: bool, seed: int) -> None:
+    def __init__(
+        self, traffic: Traffic, friction: Friction, *, estimates: bool, prior: float | None, seed: int
+    ) -> None:
         self._traffic = traffic
         self._friction = friction
         self._estimates = estimates
+        self._prior = prior
         self._seed = seed
-        self._params, self._car, self._tyre = FrictionParams(), Car(), Tyre()
+        self._params, self._car, self._tyre = FrictionParams(gate=_GATE), Car(), Tyre()
         self._filter = friction_init(self._params, 0, np.zeros(0))
         self._keys: Keys = np.zeros(0, np.uint64)
         self._steps: Ints = np.zeros(0, np.int64)
@@ -51,7 +57,11 @@ class Grip:
             self._filter = grown
             self._keys, self._steps = fitted(self._keys, size), fitted(self._steps, size)
         row = np.array([slot])
-        put(self._filter, row, friction_init(self._params, 1, self._friction.at(row)))
+        put(
+            self._filter,
+            row,
+            friction_init(self._params, 1, self._friction.at(row) if self._prior is None else self._prior),
+        )
         self._keys[slot] = number(self._seed, "accelerometer", self._traffic.ids[slot])
         self._steps[slot] = 0
 
@@ -65,7 +75,13 @@ class Grip:
             self._car, self._tyre, accel=t.accel[rows], speed=t.speed[rows], mu=self._friction.at(rows)
         )
         still = np.zeros(len(rows))
-        measured = t.accel[rows] + _ACCELEROMETER * normals(self._keys[rows], self._steps[rows], 0)
+        average = np.sqrt(self._params.period / t.dt)  # noise falls with the length of the step, as in `FrictionParams`
+        keys, steps = self._keys[rows], self._steps[rows]
+        slip = _WHEEL_SPEED * average / np.maximum(t.speed[rows], 1.0)
+        for wheel in range(4):
+            load = self._car.mass * G / 4  # roughly: a slip of so much is a force of so much
+            forces[:, wheel] -= self._tyre.c_x * load * slip * normals(keys, steps, 1 + wheel)
+        measured = t.accel[rows] + self._params.sigma_accel * average * normals(keys, steps, 0)
         self._steps[rows] += 1
         state = friction_step(
             self._params,

@@ -15,11 +15,11 @@ from aeb_sumo.soa import Bools, Floats, Ints, put, take
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.paths import Paths, Turn
-from aeb_sumo.world.surroundings import leaders
+from aeb_sumo.world.surroundings import lateral_position, leaders
 
 __all__ = ["Lookout", "Targets"]
 
-_NO_CONFLICT = -1.0
+_NO_CONFLICT = -np.inf
 _NEAR_MISS = 6.0  # m, who will pass ahead at a greater lateral distance is no candidate, our assumption
 
 
@@ -85,10 +85,12 @@ class Lookout:
 
     Leads are those that SUMO names, if they are where a sensor could see them. At junctions every pair of vehicles is
     a candidate whose planned paths cross (`Gaze.PATH`) or, for systems that know no paths, every pair there is.
+    Whether two will meet at a crossing is judged on their true motion; sensing decides whether and where they are seen.
     """
 
-    def __init__(self, traffic: Traffic, paths: Paths, suite: Suite, gaze: Gaze, seed: int) -> None:
+    def __init__(self, traffic: Traffic, paths: Paths, suite: Suite, gaze: Gaze, *, sublane: bool, seed: int) -> None:
         self._traffic = traffic
+        self._sublane = sublane
         self._paths = paths
         self._suite = suite
         self._gaze = gaze
@@ -110,7 +112,7 @@ class Lookout:
         tracks, conflict = self._matched(pairs)
         truth = self._measurable(pairs)
         tracks = track_step(self._suite, tracks, truth, time=time, dt=self._traffic.dt)
-        known = tracks.motion(self._suite, truth)
+        known = tracks.motion(self._suite, truth, self._traffic.dt)
         if self._gaze is Gaze.PATH:
             dangerous = self._in_conflict(pairs, braking[pairs.ego] & (conflict >= 0))
             conflict = np.where(dangerous, np.where(conflict < 0, 0.0, conflict + self._traffic.dt), _NO_CONFLICT)
@@ -238,9 +240,22 @@ class Lookout:
             left=left,
             closing_left=-t.speed[other] * np.sin(turned),
             bearing=np.arctan2(aside, ahead),
-            overlap=np.where(pairs.crossing, 1.0, overlap(left=left, width=t.width[ego], target_width=t.width[other])),
+            overlap=self._overlap(pairs),
             turn=np.where(pairs.crossing, t.heading[ego] - t.old_heading[ego], 0.0),
         )
+
+    def _overlap(self, pairs: _Pairs) -> Floats:
+        """Share of the target's width in the own one, across the lane and not straight ahead: curves do not count.
+
+        Without SUMO's sublane model all drive in the middle; crossing traffic shows its whole side.
+        """
+        share = np.ones(len(pairs.ego))
+        leads = np.flatnonzero(~pairs.crossing)
+        if self._sublane and len(leads):
+            t, ego, other = self._traffic, pairs.ego[leads], pairs.other[leads]
+            aside = lateral_position(t, other) - lateral_position(t, ego)
+            share[leads] = overlap(left=aside, width=t.width[ego], target_width=t.width[other])
+        return share
 
     def _in_conflict(self, pairs: _Pairs, locked: Bools) -> Bools:
         """Crossing traffic in view that would be at the crossing at the same time."""

@@ -23,6 +23,7 @@ from aeb_sumo.scores import (
     euroncap_colour,
     euroncap_score,
     r152_max_impact_speed_kmh,
+    r152_passes,
 )
 from aeb_sumo.strategies.base import Strategy
 from aeb_sumo.units import KMH
@@ -243,7 +244,7 @@ def assess(cell: Cell, result: Outcome | None) -> dict[str, Any]:
     if cell.case in _CLOSING_IN:
         row["cncap_score"] = float(cncap_score(test_speed=cell.relative_speed_kmh, impact_speed=impact))
     if not np.isnan(row["r152_max_impact_speed_kmh"]):
-        row["r152_passed"] = bool(np.nan_to_num(impact) <= row["r152_max_impact_speed_kmh"])
+        row["r152_passed"] = bool(r152_passes(test_speed_kmh=cell.relative_speed_kmh, impact_speed_kmh=impact))
     if cell.case == "ccrm":
         windows = ccrm_windows(warning_ttc=result.warning_ttc, min_gap=result.min_gap, max_decel=result.peak_decel)
         row["windows_passed"] = bool(windows.passed)

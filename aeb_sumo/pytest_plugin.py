@@ -142,8 +142,12 @@ def _run(
         path = Path(scenario)
         scenario = scenarios.from_sumocfg(path) if path.suffix == ".sumocfg" else scenarios.load(str(scenario))
     results = simulate.run(scenario, strategy, **arguments)
-    numbers = [f"{k}={v:.12g}" for k, v in sorted(arguments.items()) if isinstance(v, Real)]
-    return " ".join([Path(scenario.name).stem, results.runs["strategy"].item(), *numbers]), results
+    parts = [
+        f"{k}={v:.12g}" if isinstance(v, Real) else f"{k}={v}"
+        for k, v in sorted(arguments.items())
+        if isinstance(v, Real | str)
+    ]
+    return " ".join([Path(scenario.name).stem, results.runs["strategy"].item(), *parts]), results
 
 
 def _figures(results: "Results") -> Entry:

@@ -17,7 +17,6 @@ __all__ = [
     "Windows",
     "ccrm_windows",
     "cncap_score",
-    "euroncap_applied_colour",
     "euroncap_colour",
     "euroncap_score",
     "r152_max_impact_speed_kmh",
@@ -112,41 +111,6 @@ def euroncap_colour(
     upper = _upper_kmh(test_speed_kmh, avoidance_only)
     result: Ints = np.sum(_impact(impact_speed_kmh)[..., None] > upper, axis=-1)
     return result
-
-
-def euroncap_applied_colour(
-    *,
-    predicted: ArrayLike,
-    test_speed_kmh: ArrayLike,
-    impact_speed_kmh: ArrayLike,
-    avoidance_only: ArrayLike = False,
-    tolerance_kmh: float = 2.0,
-) -> Ints:
-    """Euro NCAP 2026: `Colour` that counts when the manufacturer predicted one.
-
-    The prediction holds when the impact speed lies in its band widened on both sides by the tolerance (for green:
-    strictly below it); else the true colour does. Source as `euroncap_colour`.
-
-    Args:
-        predicted: predicted `Colour`.
-        test_speed_kmh: speed of the tested car [km/h].
-        impact_speed_kmh: relative speed at contact [km/h].
-        avoidance_only: as in `euroncap_colour`.
-        tolerance_kmh: on the impact speed [km/h], from another source (as above).
-    """
-    colour = euroncap_colour(
-        test_speed_kmh=test_speed_kmh, impact_speed_kmh=impact_speed_kmh, avoidance_only=avoidance_only
-    )
-    upper = _upper_kmh(test_speed_kmh, avoidance_only)
-    impact, predicted = np.broadcast_arrays(_impact(impact_speed_kmh), np.asarray(predicted))
-    holds = np.zeros(colour.shape, np.bool_)
-    for band in Colour:
-        low = upper[..., band - 1] if band > Colour.GREEN else np.array(-np.inf)
-        high = upper[..., band] if band < Colour.RED else np.array(np.inf)
-        within = (impact < high + tolerance_kmh) if band == Colour.GREEN else (impact <= high + tolerance_kmh)
-        exists = low < high
-        holds = holds | ((predicted == band) & exists & within & (impact > np.maximum(low - tolerance_kmh, 0.0)))
-    return np.where(holds, predicted, colour)
 
 
 def euroncap_score(colour: ArrayLike) -> Floats:

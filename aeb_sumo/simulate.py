@@ -149,7 +149,9 @@ class _Run:
         self._lapses = Lapses(scenario.errors, self._seed)
         self._yielding = Yielding(self._traffic, scenario.errors.failure_to_yield, self._seed)
         self._needs_paths = strategy.name != "none" or scenario.errors.failure_to_yield is not None
-        self._fleet = Fleet(self._traffic, self._paths, friction, strategy, eyes, self._seed)
+        self._fleet = Fleet(
+            self._traffic, self._paths, friction, strategy, eyes, sublane=session.sublane, seed=self._seed
+        )
         self._sensing = eyes.name
         self._trace = trace and trace.of(self._traffic, self._fleet, friction)
         self._interventions = Interventions()

@@ -41,7 +41,9 @@ class Trace:
         t, fleet = self._traffic, self._fleet
         wanted = [t.slot[v] for v in self._vehicles if v in t.slot] if self._vehicles else t.present.tolist()
         slots = np.array([s for s in wanted if t.here[s]], np.int64)
-        mu, known, target = self._friction.at(slots), fleet.grip.known(slots), fleet.targets(slots)
+        mu, target = self._friction.at(slots), fleet.targets(slots)
+        known, equipped = np.full(len(slots), np.nan), fleet.equipped[slots]
+        known[equipped] = fleet.grip.known(slots[equipped])
         self.latest = {}
         for k, slot in enumerate(slots.tolist()):
             aimed = int(target.slot[k])
@@ -62,7 +64,7 @@ class Trace:
                 "demand_mps2": fleet.demand.decel[slot],
                 "decel_mps2": fleet.decel[slot],
                 "mu": mu[k],
-                "mu_known": known[k] if fleet.equipped[slot] else np.nan,
+                "mu_known": known[k],
             }
             self._rows.append(row)
 

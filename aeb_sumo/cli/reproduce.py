@@ -40,9 +40,9 @@ def reproduce(
     Exit status 1 when a row marked R (reproducible) or C (with a calibrated parameter) is out of tolerance.
     """
     chosen = [reproduction.load(name) for name in dict.fromkeys(systems or reproduction.names())]
-    for path in (json_file, figures):
-        if path is not None:
-            _writable(path)
+    for folder in (json_file and json_file.parent, figures):
+        if folder is not None:
+            _make(folder)
     cases = sum(len(system.cases()) for system in chosen)
     terminal = console(_WIDTH)
     with Progress(console=console(_WIDTH), disable=not terminal.is_terminal or quiet, transient=True) as bar:
@@ -53,29 +53,32 @@ def reproduce(
         _print(system, rows[system.name], missed_only=quiet)
     if json_file is not None:
         records = [_record(name, row) for name, part in rows.items() for row in part]
-        json_file.write_text(
-            json.dumps(records, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
-        )
+        text = json.dumps(records, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+        try:
+            json_file.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise InputError(f"cannot write --json {json_file}: {error.strerror}") from None
     if figures is not None:
         for system in chosen:
             paths = save(system.figures(drives[system.name]), figures / system.name, kind)
             click.echo(f"{len(paths)} figures in {figures / system.name}")
     counted = [row for part in rows.values() for row in part if row.counted]
     missed = [row for row in counted if row.missed]
+    still = sum(not row.driven for row in counted)
     click.echo(
         f"{len(counted) - len(missed)} of {len(counted)} rows marked R or C agree"
+        + (f", {still} of them arithmetic or geometry on printed numbers" if still else "")
         + (f"; out of tolerance: {', '.join(f'{r.id} ({r.quantity})' for r in missed)}" if missed else "")
     )
     return 1 if missed else 0
 
 
-def _writable(path: Path) -> None:
+def _make(folder: Path) -> None:
     """Find out before the runs, not after."""
-    folder = path if path.suffix == "" else path.parent
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"cannot write to {folder}: {error.strerror}") from None
+        raise InputError(f"cannot make the folder {folder}: {error.strerror}") from None
 
 
 def _print(system: System, rows: list[Row], *, missed_only: bool) -> None:
@@ -108,7 +111,9 @@ def _number(value: float | str) -> str:
 
 def _words(row: Row) -> str:
     if row.agrees is None:
-        return {Verdict.L: "input lost", Verdict.I: "contradicts itself"}.get(row.verdict, "listed")
+        return {Verdict.L: "input lost", Verdict.I: "contradicts itself", Verdict.N: "out of scope"}.get(
+            row.verdict, "listed"
+        )
     if row.verdict is Verdict.T:
         return "[dim]on target[/]" if row.agrees else "[dim]off target[/]"
     return "[green]agrees[/]" if row.agrees else "[bold red]MISSED[/]"

@@ -1,10 +1,12 @@
 """What single sensors cover, and with what probability they detect a target in one frame."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.special import ndtr
 
+from aeb_sumo.errors import InputError
 from aeb_sumo.soa import Bools, Floats
 
 __all__ = ["Sensor", "covered", "detection", "overlap"]
@@ -22,9 +24,11 @@ class Sensor:
         lateral_noise: of a measured lateral offset [m].
         detect: (overlap, range [m]) pairs, overlap rising: where a vehicle of that overlap with the own width is
             detected in every second frame; linear between them.
-        sharpness: width of the transition around that range [m].
-        lost: (from, to) ranges [m] between which a target of at most `lost_overlap` is not seen.
-        lost_overlap: see `lost`.
+        sharpness: width of the transition around that range [m], our assumption.
+        lost: (from, to) ranges [m] between which a target of at most `lost_overlap` is not seen, our assumption: none.
+        lost_overlap: see `lost`, our assumption: none.
+
+    Detection ranges are of the sensor and the target and do not depend on speed, our assumption.
     """
 
     reach: float
@@ -36,6 +40,15 @@ class Sensor:
     sharpness: float = 0.1
     lost: tuple[float, float] = (0.0, 0.0)
     lost_overlap: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        for name in ("reach", "field_of_view", "range_noise", "lateral_noise", "sharpness"):
+            value = getattr(self, name)
+            if not 0 < value < np.inf:
+                raise InputError(f"Sensor.{name} must be a positive number, not {value:g}")
+        if any(b <= a for (a, _), (b, _) in pairwise(self.detect)):
+            raise InputError("Sensor.detect must have rising overlaps")
 
 
 def covered(

@@ -7,9 +7,13 @@ shared/seeds.md 3) prints the results of its measurements and nothing of what is
 from dataclasses import dataclass
 
 from aeb_sumo.errors import InputError
+from aeb_sumo.parameters import check
 from aeb_sumo.perception.sensor import Sensor
 
 __all__ = ["CAMERA", "RADAR", "SUITES", "Suite", "suite"]
+
+
+_FRAMES = 63  # that a track remembers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,14 +24,16 @@ class Suite:
         name: as on the command line.
         sensors: a target counts as detected in a frame when one of them detects it; none: an ideal suite, which sees
             everything in view as it is.
-        reach: the farthest any of them sees [m].
-        field_of_view: the widest any of them sees, full angle [deg].
+        reach: the farthest any of them sees [m], our assumption (long-range radar).
+        field_of_view: the widest any of them sees, full angle [deg]; 70 from another source (Sui et al. 2021, reference
+            AEB for two-wheelers).
         persist: ideal suites: a target counts once it has been in view without a gap for this long; all suites: so
             long must a crossing conflict last [s], our assumption.
         cycle: time between frames [s], our assumption (automotive radar and camera: 40 to 60 ms).
         confirm: a track counts once it has been detected in so many of so many frames (M of N), our assumption.
         coast: and until it has not been detected for so many frames in a row, our assumption.
-        latency: age of what the tracker works on; its output is extrapolated to the present [s], our assumption.
+        latency: age of what the tracker works on, to the nearest step of the simulation; its output is extrapolated
+            to the present [s], our assumption.
         sure: a track counts only while its rate is known this well, standard deviation [m/s], our assumption.
         manoeuvre: standard deviation of the jerk that the tracker expects of a target [m/s3], our assumption.
     """
@@ -44,6 +50,12 @@ class Suite:
     manoeuvre: float = 5.0
     sure: float = 0.5
 
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        check(self)
+        if self.cycle <= 0 or not 0 < self.confirm[0] <= self.confirm[1] <= _FRAMES or not 0 < self.coast <= _FRAMES:
+            raise InputError(f"Suite {self.name}: cycle must be above 0 s, confirm and coast within 1 .. {_FRAMES}")
+
 
 RADAR = Sensor(
     reach=150.0,  # our assumption
@@ -51,8 +63,8 @@ RADAR = Sensor(
     range_noise=0.10,  # our assumption
     rate_noise=0.05,  # our assumption
     lateral_noise=0.30,  # our assumption
-    detect=((0.0, 8.0), (0.5, 10.35), (0.75, 120.0), (1.0, 150.0)),
-    lost=(2.4, 8.8),
+    detect=((0.0, 8.0), (0.5, 10.63), (0.75, 120.0), (1.0, 150.0)),
+    lost=(2.48, 9.08),
     lost_overlap=0.6,
 )
 """The millimetre-wave radar of both cars; detection calibrated to Table 2."""
@@ -63,7 +75,7 @@ CAMERA = Sensor(
     range_noise=0.5,  # our assumption
     rate_noise=0.10,  # our assumption: how fast the image grows
     lateral_noise=0.05,  # our assumption
-    detect=((0.0, 8.0), (0.5, 14.65), (0.75, 100.0), (1.0, 120.0)),
+    detect=((0.0, 8.0), (0.5, 14.93), (0.75, 100.0), (1.0, 120.0)),
 )
 """The mono camera of car N."""
 
@@ -71,9 +83,9 @@ SUITES: dict[str, Suite] = {
     s.name: s
     for s in (
         Suite(name="ideal"),
-        Suite(name="radar", sensors=(RADAR,)),
-        Suite(name="camera", sensors=(CAMERA,), reach=120.0, field_of_view=52.0),
-        Suite(name="fusion", sensors=(RADAR, CAMERA)),
+        Suite(name="radar", sensors=(RADAR,), latency=0.05),
+        Suite(name="camera", sensors=(CAMERA,), reach=120.0, field_of_view=52.0, latency=0.05),
+        Suite(name="fusion", sensors=(RADAR, CAMERA), latency=0.05),
     )
 }
 """All suites by name."""

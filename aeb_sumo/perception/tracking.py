@@ -12,7 +12,7 @@ from aeb_sumo.soa import Bools, Floats, Ints
 
 __all__ = ["Measurable", "Tracks", "track_init", "track_step"]
 
-_UNSEEN = -1.0
+_UNSEEN = -np.inf
 _ACROSS = 2.0  # m/s2 within a second, lateral manoeuvres that the tracker expects, our assumption
 # Standard deviations of a track at its first detection [m, m/s, m/s2], our assumption.
 _FIRST_ALONG = np.array([5.0, 10.0, 3.0])
@@ -56,7 +56,7 @@ class Tracks:
 
     Attributes:
         key: (n,) identity of the pair, for its noise.
-        seen: (n,) in view without a gap for so long [s]; negative: not in view.
+        seen: (n,) in view without a gap for so long [s]; -inf: not in view.
         history: (n,) detections of the last frames, one bit each, newest lowest.
         confirmed: (n,) counts as a target.
         along: (n, 3) and (n, 3, 3) estimate of distance, its rate and its second derivative.
@@ -76,11 +76,14 @@ class Tracks:
     across_cov: Floats
     past: Floats
 
-    def motion(self, suite: Suite, truth: Measurable) -> Measurable:
-        """What the vehicle takes for true: the truth for ideal suites, else the estimates, brought to the present."""
+    def motion(self, suite: Suite, truth: Measurable, dt: float) -> Measurable:
+        """What the vehicle takes for true: the truth for ideal suites, else the estimates.
+
+        The estimates are brought to the present: the latency is a whole number of steps of `dt` [s].
+        """
         if not suite.sensors:
             return truth
-        t = suite.latency
+        t = self.past.shape[1] * dt
         distance, rate, accel = self.along.T
         left, left_rate = self.across.T
         return Measurable(

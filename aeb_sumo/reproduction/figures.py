@@ -109,7 +109,7 @@ def pedals(title: str, drive: Drive) -> Figure:
     figure.suptitle(title)
     panels: list[Axes] = list(figure.subplots(2, 1, sharex=True))
     car, speed, decel = Sedan(), _column(drive.ego, "speed_mps"), _deceleration(drive)
-    look = {"color": _COLOURS[0], "lw": 1.6}
+    look: dict[str, Any] = {"color": _COLOURS[0], "lw": 1.6}
     throttle = np.where((decel > _MOVES) | (speed <= 0), 0.0, throttle_of(car, accel=-decel, speed=speed))
     pressure = pressure_of(car, decel=np.maximum(decel, 0.0), speed=speed, mu=_column(drive.ego, "mu"))
     panels[0].plot(*_until_end(drive, throttle), **look)

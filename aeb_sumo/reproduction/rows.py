@@ -21,6 +21,8 @@ class Verdict(StrEnum):
     """The source contradicts itself; listed with the reason, not counted."""
     L = "L"
     """The source's input is lost; listed, not counted."""
+    N = "-"
+    """Not for this project; listed, not counted."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +39,7 @@ class Row:
         verdict: what kind of row it is.
         agrees: ours is within the tolerance; None where there is nothing to compare.
         note: calibrated parameter, contradiction, or how ours was measured.
+        driven: measured in a run; otherwise arithmetic or geometry on printed numbers.
     """
 
     id: str
@@ -48,6 +51,7 @@ class Row:
     verdict: Verdict
     agrees: bool | None
     note: str = ""
+    driven: bool = True
 
     @property
     def counted(self) -> bool:
@@ -69,12 +73,14 @@ def within(
     tolerance: float,
     verdict: Verdict,
     note: str = "",
+    *,
+    driven: bool = True,
 ) -> Row:
     """A number that has to agree within a tolerance; one that is not there (nan) does not."""
     good = bool(abs(ours - published) <= tolerance + 1e-9)
     return Row(
         id=id, quantity=quantity, unit=unit, published=published, ours=float(ours), tolerance=tolerance,
-        verdict=verdict, agrees=good, note=note,
+        verdict=verdict, agrees=good, note=note, driven=driven,
     )  # fmt: skip
 
 
@@ -87,11 +93,12 @@ def agrees(
     *,
     good: bool | None = None,
     note: str = "",
+    driven: bool = True,
 ) -> Row:
     """A statement: the words have to be the same, unless `good` says whether it holds."""
     return Row(
         id=id, quantity=quantity, unit="", published=published, ours=ours, tolerance=None, verdict=verdict,
-        agrees=published == ours if good is None else bool(good), note=note,
+        agrees=published == ours if good is None else bool(good), note=note, driven=driven,
     )  # fmt: skip
 
 
@@ -103,10 +110,13 @@ def listed(
     ours: float | str,
     verdict: Verdict,
     note: str,
+    tolerance: float | None = None,
 ) -> Row:
-    """A row that only says what is wrong with the source, beside what we get."""
+    """A row that only says what is wrong with the source, beside what we get and by how much that differs."""
+    if tolerance is not None and not isinstance(published, str) and not isinstance(ours, str):
+        note += f"; off by {abs(ours - published):.2f}"
     value = ours if isinstance(ours, str) or np.isfinite(ours) else "-"
     return Row(
-        id=id, quantity=quantity, unit=unit, published=published, ours=value, tolerance=None, verdict=verdict,
+        id=id, quantity=quantity, unit=unit, published=published, ours=value, tolerance=tolerance, verdict=verdict,
         agrees=None, note=note,
     )  # fmt: skip

@@ -92,6 +92,8 @@ def rows(drives: Drives) -> list[Row]:
         result.append(agrees("F2", label, source, met, R, note=_WINDOWS))
     profile = drives["N profile"]
     weak = drives[_name("M", 50, 1)]
+    weak_gaps, off = ours["M", 50][1], [_drop_out(drives[_name("M", 50, k)]) for k in range(1, _REPEATS + 1)]
+    blind = f"calibrated: where the radar is blind; gaps {weak_gaps.min():.2f} to {weak_gaps.max():.2f} m"
     full_marks = all(
         cncap_score(test_speed=20 * KMH, impact_speed=d.impact_speed if d.crashed else 0.0) == 1
         for d in drives.values()
@@ -116,12 +118,12 @@ def rows(drives: Drives) -> list[Row]:
             0.1, C, "calibrated: build-up 25 m/s3, jab 0.2 s",
         ),
         within("F5", "N, stages: smallest gap", "m", 1.01, profile.final_gap, 0.1, C, "calibrated, as above"),
-        within("F6", "M at 50 %: gap", "m", 0.22, weak.final_gap, 0.1, C, "calibrated: where the radar is blind"),
+        within("F6", "M at 50 %: smallest gap, mean of 5", "m", 0.22, float(weak_gaps.mean()), 0.1, C, blind),
         agrees(
-            "F6", "M at 50 %: brake off between its two brakings", "1.2 to 1.8 s", f"{_drop_out(weak):.2f} s", C,
-            good=1.2 <= _drop_out(weak) <= 1.8, note="calibrated, as above",
+            "F6", "M at 50 %: brake off between its two brakings, 5 runs", "1.2 to 1.8 s",
+            f"{min(off):.2f} to {max(off):.2f} s", C, good=min(off) >= 1.2 and max(off) <= 1.8, note=blind,
         ),
-        listed("F7", "ARIMA block", "", "-", "-", I, "the tail of another paper"),
+        listed("F7", "ARIMA block", "", "-", "-", Verdict.N, "out of scope: the tail of another paper"),
     ]  # fmt: skip
 
 

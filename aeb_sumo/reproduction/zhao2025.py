@@ -10,7 +10,7 @@ from aeb_sumo.units import KMH
 
 __all__ = ["SYSTEM"]
 
-R, C, I = Verdict.R, Verdict.C, Verdict.I  # noqa: E741
+R, C, T, I = Verdict.R, Verdict.C, Verdict.T, Verdict.I  # noqa: E741
 
 # Name: ego km/h, lead km/h, gap m, mu (Table 6, 3.2, 3.3); then published: critical distance m, final gap m.
 CASES = {
@@ -40,10 +40,10 @@ _IDS = {
 
 
 def cases() -> dict[str, Case]:
-    """The eight tests, sensed and controlled at 25 Hz (A6); the brake works at 100 Hz inside."""
+    """The eight tests; the system works at 25 Hz, the world at 100 Hz (A6)."""
     return {
         name: Case(
-            scenario=approach(name, ego=ego * KMH, lead=lead * KMH, gap=gap, mu=mu, step_length=0.04, duration=20.0),
+            scenario=approach(name, ego=ego * KMH, lead=lead * KMH, gap=gap, mu=mu, step_length=0.01, duration=20.0),
             strategy=Zhao2025(),
         )
         for name, (ego, lead, gap, mu, _, _) in CASES.items()
@@ -55,7 +55,7 @@ def rows(drives: Drives) -> list[Row]:
     s20, s30, s40, m30, m40, m50, fast, wet = (drives[name] for name in CASES)
     critical = {name: d.at(d.gap, d.triggered) for name, d in drives.items()}
     result = [
-        within("Z1", "warning, CCRs 30", "s", 3.40, s30.warn_time, 0.04, R),
+        within("Z1", "warning, CCRs 30", "s", 3.40, s30.warn_time, 0.04, R, "TTC is exactly the threshold at 3.40 s"),
         within("Z2", "warning, CCRm 40", "s", 2.84, m40.warn_time, 0.05, R, "TTC is exactly the threshold at 2.80 s"),
         within("Z3", "warning, 72 km/h", "s", 4.72, fast.warn_time, 0.04, R),
         within("Z3", "gap at the warning, 72 km/h", "m", 55.61, fast.at(fast.gap, fast.warned), 0.1, R),
@@ -85,7 +85,9 @@ def rows(drives: Drives) -> list[Row]:
             "the printed a1 and d0 would need tau 0.27 to 0.30 s, all other rows 0.16 to 0.21 s" if contradicts else TAU
         )
         row = within(number, f"critical distance, {name}", "m", distance, critical[name], tolerance, C, note)
-        result.append(listed(number, row.quantity, "m", distance, critical[name], I, note) if contradicts else row)
+        if contradicts:
+            row = listed(number, row.quantity, "m", distance, critical[name], I, note, tolerance)
+        result.append(row)
     for name, (_, _, _, _, _, gap) in CASES.items():
         result.append(within(_IDS[name][2], f"final gap, {name}", "m", gap, drives[name].final_gap, 0.3, C, SHAPE))
     earlier = s30.at(s30.time, s30.triggered) - wet.at(wet.time, wet.triggered)
@@ -93,9 +95,9 @@ def rows(drives: Drives) -> list[Row]:
         *result,
         within("Z18", "braking time, CCRs 30", "s", 2.16, s30.brake_length, 0.35, C, SHAPE),
         within("Z18", "braking time, CCRm 40", "s", 1.88, m40.brake_length, 0.15, C, SHAPE),
-        listed(
-            "Z19", "braking time, 72 km/h", "s", 3.36, fast.brake_length, I,
-            "needs nearly constant 6.1 m/s2, which Table 5 cannot give together with the gaps",
+        within(
+            "Z19", "braking time, 72 km/h", "s", 3.36, fast.brake_length, 0.6, T,
+            "weak: needs nearly constant 6.1 m/s2, which Table 5 cannot give together with the gaps",
         ),
         within("Z20", "peak deceleration, CCRs 30", "m/s2", 5.69, s30.peak, 0.8, C, SHAPE),
         within("Z20", "peak deceleration, CCRm 40", "m/s2", 4.24, m40.peak, 0.3, C, SHAPE),
@@ -105,8 +107,8 @@ def rows(drives: Drives) -> list[Row]:
             critical["wet CCRs 30"] - critical["CCRs 30"], 0.9, C, "inherits Z10",
         ),
         agrees(
-            "Z22", "wet CCRs 30: peak deceleration", "lower than dry", f"{wet.peak:.2f} against {s30.peak:.2f} m/s2", R,
-            good=wet.peak < s30.peak, note='printed as "slightly lower"; the friction cap is 3.905 m/s2',
+            "Z22", "wet CCRs 30: peak deceleration", "lower than dry", f"{wet.peak:.2f} against {s30.peak:.2f} m/s2", T,
+            good=wet.peak < s30.peak, note='wrong wording, "slightly lower": the friction cap is 3.905 m/s2',
         ),
         _car_against_simulation(),
         agrees(
@@ -120,7 +122,8 @@ def _car_against_simulation() -> Row:
     errors = abs(4.72 / 4.65 - 1), abs(55.61 / 57.62 - 1)
     return agrees(
         "Z23", "72 km/h: real car against simulation", "errors below 5 %", f"{errors[0]:.1%} and {errors[1]:.1%}", R,
-        good=max(errors) < 0.05, note="arithmetic on printed numbers; the car's own TTC, 2.884 s, is above 2.8 s",
+        driven=False, good=max(errors) < 0.05,
+        note="arithmetic on printed numbers; the car's own TTC, 2.884 s, is above 2.8 s",
     )  # fmt: skip
 
 

@@ -39,10 +39,10 @@ def rows(drives: Drives) -> list[Row]:
     gaps = [d.final_gap for d in drives.values()]
     peaks = [d.peak for d in drives.values()]
     rules = "calibrated: synthetic rules and membership functions"
-    start = "the start, 30.44 m, follows from both instants"
+    start = "exact, that is to a step of 0.01 s; the start, 30.44 m, follows from both instants"
     return [
-        within("D1", "class 1, CCRs 20: warning", "s", 2.48, first.warn_time, 0.02, R, start),
-        within("D1", "class 1, CCRs 20: braking", "s", 3.98, first.at(first.time, first.triggered), 0.02, R, start),
+        within("D1", "class 1, CCRs 20: warning", "s", 2.48, first.warn_time, 0.01, R, start),
+        within("D1", "class 1, CCRs 20: braking", "s", 3.98, first.at(first.time, first.triggered), 0.01, R, start),
         listed(
             "D2", "class 1, CCRs 20: from warning to braking", "s", 1.5, first.warning_length, I,
             "2 T and T + 0.2 s are 1.3 s apart; read as T + 0.2 = 1.5 s and 2 (T + 0.2) = 3.0 s",

@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 import sumo_nets
 from aeb_sumo.drivers.errors import Errors
-from aeb_sumo.world.friction import Stretch
+from aeb_sumo.errors import InputError
+from aeb_sumo.world.friction import MU_RANGE, Stretch
 
 __all__ = ["Scenario", "on_network"]
 
@@ -36,6 +37,11 @@ class Scenario:
     step_length: float | None = 0.1
     duration: float | None = 600.0
     output_prefix: str = ""
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a friction that no road has."""
+        if not MU_RANGE[0] <= self.mu <= MU_RANGE[1]:
+            raise InputError("friction of {} must be within {} .. {}, not {:g}".format(self.name, *MU_RANGE, self.mu))
 
 
 def on_network(name: str) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ clock of a case starts.
 
 import sumo_nets
 from aeb_sumo.drivers.errors import Errors, Lapse, Robots
+from aeb_sumo.errors import InputError
 from aeb_sumo.scenarios.base import Scenario
 from aeb_sumo.units import KMH
 from aeb_sumo.world.friction import Stretch
@@ -57,7 +58,18 @@ def approach(
         ego_braking: the same for the ego, before its AEB does.
         step_length: [s].
         duration: [s].
+
+    Raises:
+        InputError: a speed, the gap, the overlap or the friction is out of range.
     """
+    for quantity, value, low, high in (
+        ("ego speed", ego, 0.0, 100.0),
+        ("lead speed", lead, 0.0, 100.0),
+        ("gap", gap, 0.1, 2000.0),
+        ("overlap", overlap, 0.05, 1.0),
+    ):
+        if not low <= value <= high:
+            raise InputError(f"{quantity} of {name} must be within {low:g} .. {high:g}, not {value:g}")
     programs = [
         (vehicle, (Lapse(plan[0], 1e9, -plan[1]),))
         for vehicle, plan in ((EGO, ego_braking), (TARGET, braking))

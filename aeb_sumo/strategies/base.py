@@ -110,6 +110,16 @@ class Strategy(ABC):
 
     brake: BrakeParams = field(default_factory=BrakeParams)
 
+    @property
+    def friction_prior(self) -> float | None:
+        """What a vehicle that estimates friction takes it for when it enters; None: the truth of that place."""
+        return None
+
+    @property
+    def cycle(self) -> float:
+        """Time between two steps of the system [s]; 0: one in every step of the simulation."""
+        return 0.0
+
     def __post_init__(self) -> None:
         """Raises `InputError` for a parameter out of range."""
         check(self)

@@ -43,6 +43,9 @@ class Lin2021(Strategy):
         c_emergency: braking distance in units of `v^2 / (mu g)`; 0.625 is printed in eq. 22, which eq. 23 contradicts
             with 0.5. The results agree with the former (A12).
         c_warning: the same for the warning; 0.75 is printed in eq. 22, against 0.833 in eq. 23.
+        knows_road: a vehicle enters with the friction of that place; otherwise with `prior`, our assumption. Nothing
+            can be learned before the first braking (seeds 2.4): the published results need it.
+        prior: see `knows_road`; 0.8, the friction of the fixed rival, our assumption.
         brake: full deceleration at once after a dead time that depends on the road, from another source (seeds 2.4,
             A14: an empirical table, not a finding about brakes).
     """
@@ -56,7 +59,14 @@ class Lin2021(Strategy):
     t3: float = within(0.1, 0.0, 3.0)
     c_emergency: float = within(0.625, 0.1, 5.0)
     c_warning: float = within(0.75, 0.1, 5.0)
+    knows_road: bool = True
+    prior: float = within(0.8, 0.05, 1.2)
     brake: BrakeParams = field(default_factory=_brake)
+
+    @property
+    def friction_prior(self) -> float | None:
+        """See `Strategy.friction_prior`."""
+        return None if self.knows_road else self.prior
 
     def init(self, n: int) -> Lin2021State:
         """See `Strategy.init`."""

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from aeb_sumo.criticality import ttc
+from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import within
 from aeb_sumo.soa import Floats, Ints
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
@@ -64,6 +65,12 @@ class Staged(Strategy):
     brake: BrakeParams = field(
         default_factory=lambda: BrakeParams(dead_time=0.0, lag=0.0, build_up=25.0, release=25.0, open_loop=True)
     )
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        super().__post_init__()
+        if self.warn_ttc < self.brake_ttc:
+            raise InputError(f"{type(self).__name__}.warn_ttc must not be below brake_ttc ({self.brake_ttc:g})")
 
     def init(self, n: int) -> StagedState:
         """See `Strategy.init`."""

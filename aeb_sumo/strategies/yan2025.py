@@ -36,10 +36,12 @@ class Yan2025(Strategy):
     Attributes:
         rule: when time is up. `and`, as printed: the target will be in the virtual lane, and will be there within the
             time. `lane_entry`: it enters the lane, taken with its full width on either side, within the time; only
-            this one can give the printed Table 2 (proof in seeds 4.4, A23).
+            this one can give the printed Table 2 (proof in seeds 4.4, A23). It brakes for what the first would, too.
         lane: width of the virtual lane [m], printed (3.8).
         warn_ttc: [s], printed (1.2).
         brake_ttc: [s], printed (1.0).
+        horizon: `lane_entry` looks no farther ahead than this dt1 [s], our assumption: without a limit it would brake
+            for whoever drives beside the lane, however far away.
         decel: for two-wheelers and pedestrians [m/s2], printed (9).
         decel_slow, decel_medium: for vehicles below `slow` and below `fast` [m/s2], printed (3 and 6; above: `decel`).
         slow, fast: closing speeds that divide the levels [m/s]; "by relative speed" is printed, 15 and 30 km/h are our
@@ -57,6 +59,7 @@ class Yan2025(Strategy):
     lane: float = within(3.8, 0.5, 10.0)
     warn_ttc: float = within(1.2, 0.0, 10.0)
     brake_ttc: float = within(1.0, 0.0, 10.0)
+    horizon: float = within(2.5, 0.0, 10.0)
     decel: float = within(9.0, 0.0, 12.0)
     decel_slow: float = within(3.0, 0.0, 12.0)
     decel_medium: float = within(6.0, 0.0, 12.0)
@@ -69,6 +72,8 @@ class Yan2025(Strategy):
     def __post_init__(self) -> None:
         """Raises `InputError` for a parameter out of range."""
         super().__post_init__()
+        if self.slow > self.fast:
+            raise InputError(f"Yan2025.slow must not exceed fast ({self.fast:g}), not {self.slow:g}")
         if self.rule not in _RULES:
             raise InputError(f"Yan2025.rule must be one of {', '.join(_RULES)}, not {self.rule!r}")
 
@@ -84,14 +89,13 @@ class Yan2025(Strategy):
         """
         x, y, dvx, dvy = _road_frame(percept)
         meets = (y > 0) & (dvy > 0)
-        if self.rule == "lane_entry":
-            # Towards the lane from its side: |X| - W <= |dVx| T (seeds 4.4).
-            inwards = np.where(x * dvx > 0, np.abs(dvx), 0.0)
-            entry: Bools = meets & (np.abs(x) - self.lane <= inwards * time)
-            return entry
         dt1 = np.divide(y, dvy, out=np.full(len(y), np.inf), where=meets)
         offset = x - np.where(meets, dt1, 0.0) * dvx
         result: Bools = (dt1 <= time) & (np.abs(offset) <= self.lane / 2)
+        if self.rule == "lane_entry":
+            # Towards the lane from its side: |X| - W <= |dVx| T (seeds 4.4).
+            entering = (x * dvx > 0) & (np.abs(x) - self.lane <= np.abs(dvx) * time)
+            result |= entering & (dt1 <= self.horizon)
         return result
 
     def step(self, state: Yan2025State, percept: Percept, dt: float) -> tuple[Yan2025State, Demand]:  # noqa: ARG002

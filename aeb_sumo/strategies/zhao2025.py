@@ -82,7 +82,7 @@ class Zhao2025(Strategy):
     """The system with its parameters.
 
     Attributes:
-        reaction_time: driver's reaction t1 [s], printed (1.2).
+        reaction_time: driver's reaction t1 [s], printed (section 1.2).
         t2_free: t2', pedal and actuator free travel [s], printed as "actuator time 0.15 s" (A2).
         t2_build: t2'', linear build-up [s], from another source (seeds A2: minimax over the published distances).
         comfort_decel: deceleration in the safety distance [m/s2], printed (eq. 4).
@@ -95,6 +95,7 @@ class Zhao2025(Strategy):
         braking: a target that slows down by more than this counts as braking [m/s2], from another source (A9).
         dead_band: demands below this are dropped while the gap exceeds the braking distance [m/s2], from another
             source (seeds 8).
+        sampling: cycle of sensing and control [s], from another source (A6: all printed times are multiples of 0.04 s).
         brake: first-order lag of 0.05 s without dead time, from another source (seeds 8); gains by particle swarm, as
             printed (2.2), within bounds that are not (`aeb_sumo.vehicle.tuning`).
     """
@@ -105,7 +106,7 @@ class Zhao2025(Strategy):
     reaction_time: float = 1.36
     t2_free: float = 0.15
     t2_build: float = 0.14
-    comfort_decel: float = 6.5
+    comfort_decel: float = within(6.5, 0.5, 12.0)
     ttc_slow: float = 2.6
     ttc_fast: float = 2.8
     omega_slow: float = within(-0.7, -10.0, 10.0)
@@ -116,7 +117,13 @@ class Zhao2025(Strategy):
     standing: float = 0.1
     braking: float = 0.5
     dead_band: float = 0.3
+    sampling: float = 0.04
     brake: BrakeParams = field(default_factory=_brake)
+
+    @property
+    def cycle(self) -> float:
+        """See `Strategy.cycle`."""
+        return self.sampling
 
     def init(self, n: int) -> Zhao2025State:
         """See `Strategy.init`."""

@@ -25,7 +25,7 @@ class BrakeParams:
         dead_time: from the controller's output to the first change of pressure [s], our assumption. Without a lower
             controller only a rise waits: nobody brakes on for the long dead times that are fitted to some results.
         dead_time_by_mu: (mu, dead time [s]) pairs, mu rising, linear between them and constant beyond, in place of
-            `dead_time`; for systems whose published results ask for one that depends on the road.
+            `dead_time`, our assumption: none; for systems whose published results ask for one that depends on the road.
         lag: time constant of the first-order response behind it [s]; 0.05 fits the results of Zhao et al. 2025
             (shared/seeds.md 8), from another source.
         build_up: largest rise of deceleration per second [m/s3], our assumption; `inf` for no limit.
@@ -36,7 +36,7 @@ class BrakeParams:
         substep: largest step of the integration [s], our assumption.
     """
 
-    dead_time: float = 0.1
+    dead_time: float = within(0.1, 0.0, 5.0)
     dead_time_by_mu: tuple[tuple[float, float], ...] = ()
     lag: float = 0.05
     build_up: float = within(40.0, 1.0, np.inf)
@@ -123,13 +123,15 @@ def brake_step(
     lost = np.zeros_like(decel)
     length = pipe.shape[1]
     # What enters the pipe now arrives after the dead time of this road; until something else enters, it lasts.
-    behind = np.arange(length) >= np.rint(params.dead_times(mu) / h)[:, None] - 1
+    delay = np.rint(params.dead_times(mu) / h)
+    at_once, behind = delay == 0, np.arange(length) >= delay[:, None] - 1
     for _ in range(substeps):
         controlled = demand
         if not params.open_loop:
             pid, controlled = pid_step(gains, pid, demand=demand, actual=decel, dt=h)
         if length:
             arriving = np.minimum(pipe[:, 0], controlled) if params.open_loop else pipe[:, 0]
+            arriving = np.where(at_once, controlled, arriving)
             pipe = np.where(behind, controlled[:, None], np.column_stack([pipe[:, 1:], controlled]))
         else:
             arriving = controlled

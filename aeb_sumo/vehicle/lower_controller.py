@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from aeb_sumo.parameters import check, within
 from aeb_sumo.soa import Floats
 
 __all__ = ["PidParams", "PidState", "pid_init", "pid_step"]
@@ -14,18 +15,22 @@ class PidParams:
     """Gains of eq. 7.
 
     Attributes:
-        kp: proportional gain.
-        ti: integral time [s].
+        kp: proportional gain, our assumption: that of a loop with the lag of its plant.
+        ti: integral time [s], our assumption: as for `kp`.
         td: derivative time [s], our assumption.
         limit: the controller's output stays within 0 and this [m/s2], our assumption; the integral stops there.
 
     The source tunes its gains by particle swarm and does not print them; see `for_plant`.
     """
 
-    kp: float
-    ti: float
+    kp: float = within(1.0, 0.0, 100.0)
+    ti: float = within(0.05, 0.001, 100.0)
     td: float = 0.0
-    limit: float = 12.0
+    limit: float = within(12.0, 0.1, 100.0)
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a gain out of range."""
+        check(self)
 
     @classmethod
     def for_plant(cls, *, lag: float, dead_time: float) -> "PidParams":

@@ -10,7 +10,10 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.soa import Floats, Ints
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["Friction", "Stretch"]
+__all__ = ["MU_RANGE", "Friction", "Stretch"]
+
+MU_RANGE = 0.05, 1.5
+"""Friction coefficients from wet ice to the best test track, our assumption."""
 
 _SUMO_DEFAULT = 1.0
 
@@ -32,8 +35,8 @@ class Stretch:
 
     def __post_init__(self) -> None:
         """Raises `InputError` for a value out of range."""
-        if not 0.05 <= self.mu <= 1.5:
-            raise InputError(f"friction of {self.road} must be within 0.05 .. 1.5, not {self.mu:g}")
+        if not MU_RANGE[0] <= self.mu <= MU_RANGE[1]:
+            raise InputError("friction of {} must be within {} .. {}, not {:g}".format(self.road, *MU_RANGE, self.mu))
         if not 0 <= self.start < self.end:
             raise InputError(f"friction of {self.road}: from {self.start:g} to {self.end:g} m is no stretch of road")
 

@@ -6,7 +6,7 @@ import numpy as np
 from aeb_sumo.soa import Floats, Ints
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["demanding", "leaders", "lost", "overlook", "pending"]
+__all__ = ["demanding", "lateral_position", "leaders", "lost", "overlook", "pending"]
 
 _IGNORE_IDS = "junctionModel.ignoreIDs"
 
@@ -26,6 +26,12 @@ def leaders(t: Traffic, slots: Ints, reach: float) -> tuple[Ints, Floats]:
             lead[k] = known[answer[0]]
             gap[k] = answer[1] + t.min_gap[slot]
     return lead, gap
+
+
+def lateral_position(t: Traffic, slots: Ints) -> Floats:
+    """(n,) offset of the vehicles in these slots from the middle of their lanes, to the left [m]."""
+    get = libsumo.vehicle.getLateralLanePosition
+    return np.array([get(t.ids[slot]) for slot in slots.tolist()], float)
 
 
 def demanding(t: Traffic, slot: int) -> bool:

@@ -20,9 +20,17 @@ DT = 0.1
 RIPPLE = {"zhao2025": 0.5, "zheng2020": 0.05}
 
 
-@pytest.fixture(params=NAMES)
+# Systems whose parameters choose between rules: the laws hold for each.
+VARIANTS = {
+    "yan2025 lane_entry": ("yan2025", {"rule": "lane_entry"}),
+    "lin2021 prior": ("lin2021", {"knows_road": False}),
+    **{f"zheng2020 class {k}": ("zheng2020", {"driver_class": k}) for k in (2, 3, 4)},
+}
+
+
+@pytest.fixture(params=[*NAMES, *VARIANTS])
 def system(request):
-    return strategies.load(request.param)
+    return strategies.load(*VARIANTS.get(request.param, (request.param,)))
 
 
 def random_percepts(n=400, seed=0, **values):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from aeb_sumo import scenarios, strategies
 from aeb_sumo.errors import InputError
 from aeb_sumo.scenarios.cases import EGO, START, approach
 from aeb_sumo.simulate import run
@@ -49,6 +50,26 @@ def test_the_estimate_runs_behind_the_truth_and_catches_up():
 def test_others_are_told_the_truth():
     frame = braking("zhao2025")
     assert (frame["mu_known"] == frame["mu"]).all()
+
+
+def test_a_wrong_prior_is_corrected_by_braking():
+    """It enters with 0.8 on a road of 0.4: right within 0.2 s of braking, and not before."""
+    trace = Trace(EGO)
+    road = approach("wet", ego=20.0, lead=25.0, gap=50.0, mu=0.4, ego_braking=(0.5, 3.0), duration=3.0)
+    run(road, strategies.load("lin2021", {"knows_road": False}), trace=trace)
+    frame = trace.frame()
+    frame["time_s"] -= frame["time_s"].iloc[0]
+    assert (frame.loc[frame["time_s"] < 0.5, "mu_known"] - 0.8).abs().max() < 0.01
+    assert (frame.loc[frame["time_s"] > 0.75, "mu_known"] - 0.4).abs().max() < 0.05
+
+
+def test_others_without_an_aeb_are_traced_too():
+    trace = Trace()
+    run(scenarios.load("w0"), "lin2021", penetration=0.5, duration=30, trace=trace)
+    frame = trace.frame()
+    bikes = frame["vehicle"].str.startswith("ebike")
+    assert frame.loc[bikes, "mu_known"].isna().all()
+    assert frame.loc[~bikes, "mu_known"].notna().any()
 
 
 def test_without_braking_nothing_is_learned():

@@ -5,7 +5,6 @@ from aeb_sumo.scores import (
     Colour,
     ccrm_windows,
     cncap_score,
-    euroncap_applied_colour,
     euroncap_colour,
     euroncap_score,
     r152_max_impact_speed_kmh,
@@ -90,26 +89,6 @@ def test_euroncap_colours_and_avoidance_only():
     assert euroncap_colour(test_speed_kmh=60, impact_speed_kmh=impact).tolist() == list(Colour)
     turning = euroncap_colour(test_speed_kmh=60, impact_speed_kmh=impact, avoidance_only=True)
     assert turning.tolist() == [Colour.GREEN] + [Colour.RED] * 4
-
-
-@pytest.mark.parametrize(
-    ("predicted", "test", "impact", "applied"),
-    [
-        (Colour.GREEN, 50, 1.9, Colour.GREEN), (Colour.GREEN, 50, 2.0, Colour.YELLOW),
-        (Colour.YELLOW, 50, 12, Colour.YELLOW), (Colour.YELLOW, 50, 12.1, Colour.ORANGE),
-        (Colour.ORANGE, 50, 8.1, Colour.ORANGE), (Colour.ORANGE, 50, 8, Colour.YELLOW),
-        (Colour.YELLOW, 50, 0, Colour.GREEN), (Colour.RED, 50, 29, Colour.RED), (Colour.RED, 50, 28, Colour.BROWN),
-        (Colour.YELLOW, 30, 1, Colour.BROWN), (Colour.BROWN, 30, 12, Colour.BROWN), (Colour.RED, 20, 0, Colour.GREEN),
-    ],
-)  # fmt: skip
-def test_a_prediction_holds_within_the_tolerance(predicted, test, impact, applied):
-    arguments = {"predicted": predicted, "test_speed_kmh": test, "impact_speed_kmh": impact}
-    assert euroncap_applied_colour(**arguments) == applied
-
-
-def test_predictions_broadcast():
-    applied = euroncap_applied_colour(predicted=list(Colour), test_speed_kmh=50, impact_speed_kmh=11)
-    assert applied.tolist() == [Colour.ORANGE, Colour.YELLOW, Colour.ORANGE, Colour.ORANGE, Colour.ORANGE]
 
 
 def test_r152():

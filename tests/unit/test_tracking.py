@@ -72,7 +72,7 @@ def test_an_ideal_suite_confirms_after_its_time_and_tells_the_truth():
     for k in range(4):
         tracks = track_step(ideal, tracks, seen, time=0.1 * k, dt=0.1)
         assert tracks.confirmed[0] == (k >= 2), "0.2 s after the first sight"
-        assert tracks.motion(ideal, seen) is seen
+        assert tracks.motion(ideal, seen, 0.1) is seen
     assert not track_step(ideal, tracks, truth([30.0], 5.0, in_view=False), time=0.5, dt=0.1).confirmed[0]
 
 
@@ -111,15 +111,15 @@ def test_a_track_is_lost_when_it_is_not_detected_for_long_enough():
 
 def test_estimates_are_near_the_truth():
     _, tracks = approach(suite("fusion"), n=500)
-    gap = 1.0
-    assert np.abs(tracks.along[:, 0] - gap).mean() < 0.1
-    assert np.abs(-tracks.along[:, 1] - 5.556).mean() < 0.1
+    known = tracks.motion(suite("fusion"), truth(np.full(500, 1.0), 5.556), DT)
+    assert np.abs(known.distance - 1.0).mean() < 0.1
+    assert np.abs(known.closing - 5.556).mean() < 0.1
 
 
 def test_latency_is_extrapolated_away():
     late = replace(suite("radar"), latency=0.1)
     _, tracks = approach(late, n=300)
-    known = tracks.motion(late, truth(np.full(300, 1.0), 5.556))
+    known = tracks.motion(late, truth(np.full(300, 1.0), 5.556), DT)
     assert abs(tracks.along[:, 0].mean() - 1.0) > 0.4, "what was measured is old"
     assert abs(known.distance.mean() - 1.0) < 0.1
 

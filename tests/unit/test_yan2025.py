@@ -35,6 +35,14 @@ def test_lane_entry_compares_the_time_to_enter():
     assert not system.due(oncoming(0, x=4.8, y=15.0), 1.0)[0], "who drives straight on does not enter"
 
 
+def test_lane_entry_leaves_those_in_peace_who_do_not_enter():
+    """A lead that is hardly slower, 120 m ahead; an e-bike 3.5 m aside and far away."""
+    system = Yan2025(rule="lane_entry")
+    assert not system.due(percept(gap=120.0, ego_speed=20.1, target_speed=20.0), 1.0)[0]
+    assert not system.due(oncoming(0, x=3.5, y=100.0), 1.0)[0]
+    assert not system.due(oncoming(10, x=3.5, y=100.0), 1.0)[0]
+
+
 def test_who_has_passed_is_no_matter():
     for rule in ("and", "lane_entry"):
         assert not Yan2025(rule=rule).due(oncoming(30, x=1.0, y=-1.0), 1.0)[0]
