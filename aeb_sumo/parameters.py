@@ -20,8 +20,12 @@ def within(default: float, low: float, high: float) -> Any:
     return field(default=default, metadata={"range": (low, high)})
 
 
-def check(params: Any) -> None:
+def check(params: Any, *, positive: bool = False) -> None:
     """Check the numbers among the fields of a dataclass: within their range; without one, finite and not negative.
+
+    Args:
+        params: the dataclass.
+        positive: without a range, 0 is not allowed either.
 
     Raises:
         InputError: one is not; the message names field, value and allowed range.
@@ -30,9 +34,10 @@ def check(params: Any) -> None:
         value = getattr(params, item.name)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             continue
-        low, high = item.metadata.get("range", (0.0, np.inf))
+        low, high = item.metadata.get("range", (np.finfo(float).tiny if positive else 0.0, np.inf))
         if np.isnan(value) or not low <= value <= high or (np.isinf(value) and "range" not in item.metadata):
-            allowed = f"within {low:g} .. {high:g}" if np.isfinite(high) else f"a number, {low:g} or more"
+            least = "above 0" if 0 < low < 1e-300 else f"{low:g} or more"
+            allowed = f"within {low:g} .. {high:g}" if np.isfinite(high) else f"a number, {least}"
             raise InputError(f"{type(params).__name__}.{item.name} must be {allowed}, not {value:g}")
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from aeb_sumo.parameters import check
 from aeb_sumo.soa import Floats
 from aeb_sumo.units import G
 from aeb_sumo.vehicle.tyre import Tyre, adhesion, tyre_forces
@@ -45,6 +46,10 @@ class Car:
     wheel_radius: float = 0.31
     wheel_inertia: float = 1.0
     substep: float = 0.001
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        check(self, positive=True)
 
     @property
     def x(self) -> Floats:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from aeb_sumo.kalman import Gaussian, predict, update
+from aeb_sumo.parameters import check
 from aeb_sumo.soa import Bools, Floats
 from aeb_sumo.units import G
 from aeb_sumo.vehicle.car import MIN_SPEED, Car, wheel_loads
@@ -68,6 +69,10 @@ class FrictionParams:
     sigma_tie: float = 0.02
     sigma_prior: float = 0.2
     gate: float = 0.02
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        check(self, positive=True)
 
     def process(self, dt: float) -> Floats:
         """(4, 4) covariance that a step of `dt` [s] adds."""

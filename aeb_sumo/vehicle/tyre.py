@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from aeb_sumo.parameters import check, within
 from aeb_sumo.soa import Floats
 
 __all__ = ["Tyre", "adhesion", "slip_for", "tyre_forces"]
@@ -29,7 +30,11 @@ class Tyre:
 
     c_x: float = 30.0
     c_y: float = 20.0
-    eps: float = 0.0
+    eps: float = within(0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        check(self, positive=True)
 
 
 _LEAST_GRIP = 0.05  # 1 - eps v S does not fall below, our assumption

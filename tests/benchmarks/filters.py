@@ -10,6 +10,8 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from aeb_sumo.kalman import Gaussian, predict, update
+from aeb_sumo.perception.suites import suite
+from aeb_sumo.perception.tracking import Measurable, track_init, track_step
 from aeb_sumo.vehicle.friction import TIE, FrictionParams, friction_init, friction_step, jacobian, reference_filter
 
 N = 1000
@@ -77,6 +79,33 @@ def tracker():
     race("tracker, 3 states", batched, singles)
 
 
+def sensing():
+    """All that the fusion suite does for a vehicle in a frame, against the filtering that is part of it."""
+    fusion, keys = suite("fusion"), np.arange(1, N + 1, dtype=np.uint64)
+    zero, gap = np.zeros(N), RNG.uniform(10, 60, N)
+    seen = Measurable(np.ones(N, bool), gap, zero + 5.0, zero, zero, zero, zero, zero + 1.0, zero)
+    state, time = track_init(fusion, keys, DT), 0.0
+    along = [KalmanFilter(3, 2) for _ in range(N)]
+    across = [KalmanFilter(2, 1) for _ in range(N)]
+    for one, other in zip(along, across, strict=True):
+        one.H, other.H = np.eye(3)[:2], np.eye(2)[:1]
+
+    def batched():
+        nonlocal state, time
+        time += fusion.cycle
+        state = track_step(fusion, state, seen, time=time, dt=fusion.cycle)
+
+    def singles():
+        for one, other, z in zip(along, across, gap, strict=True):
+            for filtered, measured in ((one, [z, -5.0]), (other, [0.0])):
+                filtered.predict()
+                for _ in fusion.sensors:
+                    filtered.update(measured)
+
+    race("radar + camera", batched, singles)
+
+
 if __name__ == "__main__":
     friction()
     tracker()
+    sensing()

@@ -20,8 +20,8 @@ TABLES = {
 }
 
 
-# Kinds and tolerances of shared/seeds.md, section 6, written out again: "kind tolerance ...", by row. Z19 ("weak" there)
-# and Z22 ("wording wrong") are T here; D1 is exact there, which is to a step here.
+# Kinds and tolerances of shared/seeds.md, section 6, written out again: "kind tolerance ...", by row. Z19 ("weak"
+# there) and Z22 ("wording wrong") are T here; D1 is exact there, which is to a step here.
 KINDS = {
     "Z1": "R .04", "Z2": "R .05", "Z3": "R .04 .1", "Z4": "C .10", "Z5": "C .05", "Z6": "C .05", "Z7": "I",
     "Z8": "I", "Z9": "I", "Z10": "I .6", "Z11": "C .3", "Z12": "C .45", "Z13": "C .3", "Z14": "C .3", "Z15": "C .3",

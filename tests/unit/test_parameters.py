@@ -1,10 +1,15 @@
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
 from aeb_sumo import strategies
 from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import check, differences, parse, read_file, within
+from aeb_sumo.perception.suites import RADAR, SUITES
+from aeb_sumo.scenarios.cases import approach
+from aeb_sumo.vehicle.car import Car
+from aeb_sumo.vehicle.friction import FrictionParams
+from aeb_sumo.vehicle.tyre import Tyre
 
 
 @dataclass(frozen=True)
@@ -59,6 +64,24 @@ def test_parameters_reach_their_fields():
     assert system.brake.lag == 0.1
     assert differences(system) == "brake.lag=0.1 comfort_decel=5.0"
     assert not differences(strategies.load("zhao2025"))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Tyre(c_x=-3), "Tyre.c_x must be a number, above 0, not -3"),
+        (lambda: Car(mass=0), "Car.mass must be a number, above 0, not 0"),
+        (lambda: FrictionParams(period=0.0), "FrictionParams.period must be a number, above 0, not 0"),
+        (lambda: replace(RADAR, detect=((1.0, 10.0), (0.5, 5.0))), "Sensor.detect must have rising overlaps"),
+        (lambda: replace(SUITES["radar"], cycle=-1.0), "Suite.cycle must be a number, 0 or more, not -1"),
+        (lambda: approach("x", ego=10.0, lead=0.0, gap=20.0, mu=-0.3), "friction of x must be within 0.05 .. 1.5"),
+        (lambda: approach("x", ego=10.0, lead=0.0, gap=-3.0), "gap of x must be within 0.1 .. 2000, not -3"),
+        (lambda: approach("x", ego=10.0, lead=0.0, gap=20.0, overlap=2.0), "overlap of x must be within 0.05 .. 1"),
+    ],
+)
+def test_other_dataclasses_check_their_numbers_too(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
 
 
 @pytest.mark.parametrize("text", ["comfort_decel", "=5", "comfort_decel="])
