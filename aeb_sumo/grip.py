@@ -21,6 +21,7 @@ from aeb_sumo.world.observe import Traffic
 __all__ = ["Grip"]
 
 _WHEEL_SPEED = 0.005  # m/s, noise of a wheel's speed against that of the car within 0.01 s, our assumption
+_WALKING = 2.0  # m/s, our assumption: slower than this, wheel sensors tell nothing of slip
 _GATE = 0.1  # of the weight, our assumption: below, that noise is as large as what there is to be seen
 
 
@@ -70,14 +71,14 @@ class Grip:
         if not self._estimates or not len(rows):
             return
         t = self._traffic
-        rows = rows[~t.fresh[rows]]
+        rows = rows[~t.fresh[rows] & (t.speed[rows] > _WALKING)]
         forces = straight_forces(
             self._car, self._tyre, accel=t.accel[rows], speed=t.speed[rows], mu=self._friction.at(rows)
         )
         still = np.zeros(len(rows))
         average = np.sqrt(self._params.period / t.dt)  # noise falls with the length of the step, as in `FrictionParams`
         keys, steps = self._keys[rows], self._steps[rows]
-        slip = _WHEEL_SPEED * average / np.maximum(t.speed[rows], 1.0)
+        slip = _WHEEL_SPEED * average / t.speed[rows]
         for wheel in range(4):
             load = self._car.mass * G / 4  # roughly: a slip of so much is a force of so much
             forces[:, wheel] -= self._tyre.c_x * load * slip * normals(keys, steps, 1 + wheel)
