@@ -119,7 +119,8 @@ class Lookout:
             counts = np.where(pairs.crossing, conflict >= self._suite.persist - self._traffic.dt / 2, True)
             rank = pairs.gap
         else:
-            rank = np.divide(known.distance, known.closing, out=np.full(len(conflict), np.inf), where=known.closing > 0)
+            nears = (known.distance > 0) & (known.closing > 0)
+            rank = np.divide(known.distance, known.closing, out=np.full(len(conflict), np.inf), where=nears)
             miss = known.left - known.closing_left * np.where(np.isfinite(rank), rank, 0.0)
             counts = np.isfinite(rank) & (np.abs(miss) < _NEAR_MISS)
         self._tracks, self._conflict = tracks, conflict
