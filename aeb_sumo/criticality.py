@@ -20,7 +20,8 @@ def ttc(*, gap: ArrayLike, closing_speed: ArrayLike) -> Floats:
     """
     gap, closing_speed = np.broadcast_arrays(np.asarray(gap, float), np.asarray(closing_speed, float))
     time = np.full(gap.shape, np.inf)
-    np.divide(gap, closing_speed, out=time, where=closing_speed > 0)
+    with np.errstate(over="ignore"):  # as good as never
+        np.divide(gap, closing_speed, out=time, where=closing_speed > 0)
     return np.where(gap <= 0, 0.0, time)
 
 
@@ -39,6 +40,7 @@ def ttc2(*, gap: ArrayLike, closing_speed: ArrayLike, closing_accel: ArrayLike) 
     root = np.sqrt(np.maximum(discriminant, 0.0))
     time = np.full(d.shape, np.inf)
     # For v < 0 the sum in the denominator cancels; the other form of the same root does not.
-    np.divide(2 * d, v + root, out=time, where=(discriminant >= 0) & (v >= 0) & (v + root > 0))
-    np.divide(root - v, a, out=time, where=(discriminant >= 0) & (v < 0) & (a > 0))
+    with np.errstate(over="ignore"):  # as good as never
+        np.divide(2 * d, v + root, out=time, where=(discriminant >= 0) & (v >= 0) & (v + root > 0))
+        np.divide(root - v, a, out=time, where=(discriminant >= 0) & (v < 0) & (a > 0))
     return np.where(far, np.inf, np.where(d <= 0, 0.0, time))

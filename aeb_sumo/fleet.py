@@ -132,14 +132,15 @@ class Fleet:
             vulnerable=targets.vulnerable,
             mu=self.grip.known(rows),
         )
-        # A system that works more slowly than the simulation holds its demand meanwhile.
-        due = time >= self._next[rows] - dt / 2
+        # A system that works more slowly than the simulation holds its demand meanwhile, unless its target is gone.
+        due = (time >= self._next[rows] - dt / 2) | ~percept.valid
         now = rows[due]
-        memory, demand = self._strategy.step(take(self._memory, now), take(percept, due), max(dt, self._strategy.cycle))
-        put(self._memory, now, memory)
-        put(self._held, now, demand)
-        cycle, last = self._strategy.cycle, self._next[now]
-        self._next[now] = np.where(last < time - cycle - dt / 2, time, last) + cycle
+        if len(now):
+            cycle, last = self._strategy.cycle, self._next[now]
+            memory, demand = self._strategy.step(take(self._memory, now), take(percept, due), max(dt, cycle))
+            put(self._memory, now, memory)
+            put(self._held, now, demand)
+            self._next[now] = np.where(last < time - cycle - dt / 2, time, last) + cycle
         put(self.demand, rows, take(self._held, rows))
         self._last_phase[rows] = self.demand.phase[rows]
         self._apply_brake(rows, take(self._held, rows))
@@ -159,6 +160,7 @@ class Fleet:
         changed = (serial != self._aimed[rows]) & (serial > 0) & (self._aimed[rows] > 0)
         other = rows[changed & (targets.gap > self._aimed_gap[rows] + _ELSEWHERE)]
         put(self._memory, other, self._strategy.init(len(other)))
+        self._next[other] = 0.0
         self._aimed[rows], self._aimed_gap[rows] = serial, targets.gap
 
     def _apply_brake(self, rows: Ints, demand: Demand) -> None:

@@ -4,12 +4,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 import sumo_nets
 from aeb_sumo.drivers.errors import Errors, Robots
 from aeb_sumo.scenarios import Scenario
 
 pytest_plugins = ["pytester"]
+
+settings.register_profile("fixed", derandomize=True)
+settings.load_profile("fixed")
 
 BOLOGNA = Path(__file__).parents[2] / "shared" / "scenarios" / "bologna-acosta"
 

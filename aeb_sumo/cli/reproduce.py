@@ -1,6 +1,7 @@
 """`aeb-sumo reproduce`."""
 
 import json
+import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,14 @@ def reproduce(
     rows = {system.name: system.rows(drives[system.name]) for system in chosen}
     for system in chosen:
         _print(system, rows[system.name], missed_only=quiet)
+    counted = [row for part in rows.values() for row in part if row.counted]
+    missed = [row for row in counted if row.missed]
+    still = sum(not row.driven for row in counted)
+    click.echo(
+        f"{len(counted) - len(missed)} of {len(counted)} rows marked R or C agree"
+        + (f", {still} of them arithmetic or geometry on printed numbers" if still else "")
+        + (f"; out of tolerance: {', '.join(f'{r.id} ({r.quantity})' for r in missed)}" if missed else "")
+    )
     if json_file is not None:
         records = [_record(name, row) for name, part in rows.items() for row in part]
         text = json.dumps(records, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
@@ -62,14 +71,6 @@ def reproduce(
         for system in chosen:
             paths = save(system.figures(drives[system.name]), figures / system.name, kind)
             click.echo(f"{len(paths)} figures in {figures / system.name}")
-    counted = [row for part in rows.values() for row in part if row.counted]
-    missed = [row for row in counted if row.missed]
-    still = sum(not row.driven for row in counted)
-    click.echo(
-        f"{len(counted) - len(missed)} of {len(counted)} rows marked R or C agree"
-        + (f", {still} of them arithmetic or geometry on printed numbers" if still else "")
-        + (f"; out of tolerance: {', '.join(f'{r.id} ({r.quantity})' for r in missed)}" if missed else "")
-    )
     return 1 if missed else 0
 
 
@@ -79,6 +80,8 @@ def _make(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot make the folder {folder}: {error.strerror}") from None
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"cannot write into the folder {folder}")
 
 
 def _print(system: System, rows: list[Row], *, missed_only: bool) -> None:

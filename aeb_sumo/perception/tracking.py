@@ -50,6 +50,9 @@ class Measurable:
     turn: Floats
 
 
+_TURN = [f.name for f in fields(Measurable)].index("turn")
+
+
 @dataclass(frozen=True)
 class Tracks:
     """Memory and output of the tracker, one row per pair of a vehicle and a target.
@@ -79,19 +82,23 @@ class Tracks:
     def motion(self, suite: Suite, truth: Measurable, dt: float) -> Measurable:
         """What the vehicle takes for true: the truth for ideal suites, else the estimates.
 
-        The estimates are brought to the present: the latency is a whole number of steps of `dt` [s].
+        The estimates are brought to the present, moved on and turned with the own frame: the latency is a whole number
+        of steps of `dt` [s].
         """
         if not suite.sensors:
             return truth
         t = self.past.shape[1] * dt
+        turn = np.nansum(self.past[:, :, _TURN], axis=1)
         distance, rate, accel = self.along.T
         left, left_rate = self.across.T
+        distance, left = _rotated(distance + rate * t + accel * t**2 / 2, left + left_rate * t, turn)
+        rate, left_rate = _rotated(rate + accel * t, left_rate, turn)
         return Measurable(
             in_view=truth.in_view,
-            distance=distance + rate * t + accel * t**2 / 2,
-            closing=-(rate + accel * t),
+            distance=distance,
+            closing=-rate,
             closing_accel=-accel,
-            left=left + left_rate * t,
+            left=left,
             closing_left=-left_rate,
             bearing=truth.bearing,
             overlap=truth.overlap,
@@ -111,7 +118,7 @@ def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks:
         along_cov=np.zeros((n, 3, 3)),
         across=np.zeros((n, 2)),
         across_cov=np.zeros((n, 2, 2)),
-        past=np.full((n, round(suite.latency / dt), len(fields(Measurable))), np.nan),
+        past=np.full((n, int(suite.latency / dt + 0.5 + 1e-9), len(fields(Measurable))), np.nan),
     )
 
 
@@ -152,10 +159,14 @@ def _turned(tracks: Tracks, turn: Floats) -> Tracks:
     """The estimates in the own frame as it has turned meanwhile."""
     if not turn.any():
         return tracks
-    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
-    ahead, left = tracks.along[:, :2], tracks.across
-    along = np.column_stack([cos * ahead + sin * left, tracks.along[:, 2]])
-    return replace(tracks, along=along, across=cos * left - sin * ahead)
+    ahead, left = _rotated(tracks.along[:, :2], tracks.across, turn[:, None])
+    return replace(tracks, along=np.column_stack([ahead, tracks.along[:, 2]]), across=left)
+
+
+def _rotated(ahead: Floats, left: Floats, turn: Floats) -> tuple[Floats, Floats]:
+    """A vector in a frame that has turned to the left by `turn` [rad]."""
+    cos, sin = np.cos(turn), np.sin(turn)
+    return cos * ahead + sin * left, cos * left - sin * ahead
 
 
 def _predicted(tracks: Tracks, suite: Suite, dt: float) -> Tracks:

@@ -149,8 +149,8 @@ def rows(drives: Drives) -> list[Row]:
         within("L14", "estimate on mu 0.8, from 0.5, farthest", "", 0.8, _farthest(before, 0.8), 0.05, C, tie),
         within("L14", "joint 0.8 to 0.5: within 0.05 after", "s", 0.0, learned, 0.2, C, tie + "; figures only"),
         within(
-            "L14", "the same car on three degrees of freedom, mu 0.8, from 0.5", "", 0.8, model, 0.05, C,
-            "wheel slips of eqs. 1 to 13, 3 m/s2 for 1 s, not in SUMO", driven=False,
+            "L14", "the same car on three degrees of freedom, mu 0.8, from 0.5", "", 0.8, model, 0.05, T,
+            "wheel slips of eqs. 1 to 13, 3 m/s2 for 1 s, without noise; not in SUMO", driven=False,
         ),
         listed(
             "L15", "braking distance of the emergency, in v2 / (mu g)", "", "0.625 and 0.5", "0.625", I,

@@ -117,7 +117,10 @@ class Strategy(ABC):
 
     @property
     def cycle(self) -> float:
-        """Time between two steps of the system [s]; 0: one in every step of the simulation."""
+        """Time between two steps of the system [s], counted from the first sight of a target, our assumption.
+
+        0: one in every step of the simulation. Sensors have a cycle of their own.
+        """
         return 0.0
 
     def __post_init__(self) -> None:

@@ -95,7 +95,7 @@ class Zhao2025(Strategy):
         braking: a target that slows down by more than this counts as braking [m/s2], from another source (A9).
         dead_band: demands below this are dropped while the gap exceeds the braking distance [m/s2], from another
             source (seeds 8).
-        sampling: cycle of sensing and control [s], from another source (A6: all printed times are multiples of 0.04 s).
+        sampling: cycle of the system [s], from another source (A6: all printed times are multiples of 0.04 s).
         brake: first-order lag of 0.05 s without dead time, from another source (seeds 8); gains by particle swarm, as
             printed (2.2), within bounds that are not (`aeb_sumo.vehicle.tuning`).
     """
@@ -117,7 +117,7 @@ class Zhao2025(Strategy):
     standing: float = 0.1
     braking: float = 0.5
     dead_band: float = 0.3
-    sampling: float = 0.04
+    sampling: float = within(0.04, 0.0, 0.5)
     brake: BrakeParams = field(default_factory=_brake)
 
     @property

@@ -46,6 +46,25 @@ def test_the_mean_over_a_long_step_is_that_of_short_ones():
     assert respond(params, 5.0, 1, dt=0.1)[0] == pytest.approx(respond(params, 5.0, 10, dt=0.01).mean())
 
 
+def test_dead_time_by_friction():
+    """0 s on 0.3, 0.2 s on 0.8, linear between them."""
+    params = BrakeParams(
+        dead_time_by_mu=((0.3, 0.0), (0.8, 0.2)), lag=0.0, build_up=np.inf, release=np.inf, open_loop=True
+    )
+    for mu, steps in ((0.3, 0), (0.55, 10), (0.8, 20), (1.0, 20)):
+        assert np.argmax(respond(params, 2.0, 40, mu=mu) > 0) == steps
+
+
+def test_without_a_controller_a_fall_comes_through_at_once():
+    params = BrakeParams(dead_time=0.3, lag=0.0, build_up=np.inf, release=np.inf, open_loop=True)
+    state, ones = brake_init(params, 1, 0.01), np.ones(1)
+    for _ in range(60):
+        state, decel = brake_step(params, state, demand=5 * ones, mu=ones, dt=0.01)
+    assert decel[0] == 5.0
+    _, decel = brake_step(params, state, demand=0 * ones, mu=ones, dt=0.01)
+    assert decel[0] < 5.0
+
+
 def test_pid_is_equation_7():
     params = PidParams(kp=2.0, ti=0.5, td=0.1, limit=100)
     _, out = pid_step(params, pid_init(1), demand=np.array([3.0]), actual=np.array([1.0]), dt=0.1)

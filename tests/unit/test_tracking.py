@@ -124,6 +124,27 @@ def test_latency_is_extrapolated_away():
     assert abs(known.distance.mean() - 1.0) < 0.1
 
 
+@pytest.mark.parametrize("latency", [0.0, 0.05, 0.1])
+def test_a_car_that_turns_knows_where_a_standing_target_is(latency):
+    """0.4 rad/s to the left, a target 20 m ahead and 5 m to the left at the start."""
+    sensors, n, rate = replace(suite("fusion"), latency=latency), 300, 0.4
+    tracks = track_init(sensors, np.arange(1, n + 1, dtype=np.uint64), DT)
+    for k in range(100):
+        angle = rate * DT * (k + 1)
+        ahead, left = 20 * np.cos(angle) + 5 * np.sin(angle), 5 * np.cos(angle) - 20 * np.sin(angle)
+        seen = replace(truth(np.full(n, ahead), 0.0), left=np.full(n, left), turn=np.full(n, rate * DT))
+        tracks = track_step(sensors, tracks, seen, time=DT * (k + 1), dt=DT)
+    known = tracks.motion(sensors, seen, DT)
+    assert abs(known.left.mean() - left) < 0.05
+    assert abs(known.distance.mean() - ahead) < 0.05
+
+
+@pytest.mark.parametrize(("dt", "steps"), [(0.1, 1), (0.05, 1), (0.02, 3), (0.01, 5)])
+def test_latency_in_steps(dt, steps):
+    """To the nearest step, half a step up."""
+    assert track_init(suite("radar"), np.zeros(1, np.uint64), dt).past.shape[1] == steps
+
+
 def test_a_batch_equals_the_singles():
     keys = np.arange(1, 21, dtype=np.uint64)
     batch, tracks = approach(suite("fusion"), n=20, keys=keys)
