@@ -242,6 +242,7 @@ class Lookout:
             closing_left=-t.speed[other] * np.sin(turned),
             bearing=np.arctan2(aside, ahead),
             overlap=self._overlap(pairs),
+            own_accel=t.accel[ego],
             turn=np.where(pairs.crossing, t.heading[ego] - t.old_heading[ego], 0.0),
         )
 

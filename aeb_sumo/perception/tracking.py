@@ -36,6 +36,7 @@ class Measurable:
         closing_left: own lateral velocity less the target's [m/s].
         bearing: of what can be seen of it, from straight ahead, >= 0 [rad].
         overlap: share of its width in the own width, 0 to 1.
+        own_accel: own acceleration in the last step, which the vehicle knows [m/s2].
         turn: how far the own frame has turned to the left in the last step [rad]; 0 where distance is along a path.
     """
 
@@ -47,6 +48,7 @@ class Measurable:
     closing_left: Floats
     bearing: Floats
     overlap: Floats
+    own_accel: Floats
     turn: Floats
 
 
@@ -62,7 +64,7 @@ class Tracks:
         seen: (n,) in view without a gap for so long [s]; -inf: not in view.
         history: (n,) detections of the last frames, one bit each, newest lowest.
         confirmed: (n,) counts as a target.
-        along: (n, 3) and (n, 3, 3) estimate of distance, its rate and its second derivative.
+        along: (n, 3) and (n, 3, 3) estimate of distance, its rate, and the target's own acceleration.
         along_cov: see `along`.
         across: (n, 2) and (n, 2, 2) estimate of the lateral position and its rate.
         across_cov: see `across`.
@@ -90,6 +92,7 @@ class Tracks:
         t = self.past.shape[1] * dt
         turn = np.nansum(self.past[:, :, _TURN], axis=1)
         distance, rate, accel = self.along.T
+        accel = accel - truth.own_accel
         left, left_rate = self.across.T
         distance, left = _rotated(distance + rate * t + accel * t**2 / 2, left + left_rate * t, turn)
         rate, left_rate = _rotated(rate + accel * t, left_rate, turn)
@@ -102,6 +105,7 @@ class Tracks:
             closing_left=-left_rate,
             bearing=truth.bearing,
             overlap=truth.overlap,
+            own_accel=truth.own_accel,
             turn=truth.turn,
         )
 
@@ -132,7 +136,7 @@ def track_step(suite: Suite, tracks: Tracks, truth: Measurable, *, time: float, 
     if not suite.sensors:
         return replace(tracks, seen=seen, confirmed=seen >= suite.persist - dt / 2)
     truth, past = _delayed(tracks.past, truth)
-    tracks = _predicted(_turned(replace(tracks, seen=seen, past=past), truth.turn), suite, dt)
+    tracks = _predicted(_turned(replace(tracks, seen=seen, past=past), truth.turn), suite, truth.own_accel, dt)
     # Every vehicle's frames have a phase of their own.
     phase = uniforms(tracks.key, np.zeros(len(seen), np.int64), 0)
     before = np.floor((time - dt) / suite.cycle + phase).astype(np.int64)
@@ -169,7 +173,7 @@ def _rotated(ahead: Floats, left: Floats, turn: Floats) -> tuple[Floats, Floats]
     return cos * ahead + sin * left, cos * left - sin * ahead
 
 
-def _predicted(tracks: Tracks, suite: Suite, dt: float) -> Tracks:
+def _predicted(tracks: Tracks, suite: Suite, own_accel: Floats, dt: float) -> Tracks:
     """Constant acceleration along, constant velocity across; white jerk and acceleration drive them."""
     q = suite.manoeuvre**2
     along = predict(
@@ -184,7 +188,9 @@ def _predicted(tracks: Tracks, suite: Suite, dt: float) -> Tracks:
         np.array([[1.0, dt], [0.0, 1.0]]),
         _ACROSS**2 * dt * np.array([[dt**2 / 3, dt / 2], [dt / 2, 1.0]]),
     )
-    return replace(tracks, along=along.mean, along_cov=along.cov, across=across.mean, across_cov=across.cov)
+    # What the own car does is known: only the target's acceleration has to be guessed.
+    moved = along.mean - own_accel[:, None] * np.array([dt**2 / 2, dt, 0.0])
+    return replace(tracks, along=moved, along_cov=along.cov, across=across.mean, across_cov=across.cov)
 
 
 def _frame(suite: Suite, tracks: Tracks, truth: Measurable, frame: Ints, *, now: Bools) -> Tracks:

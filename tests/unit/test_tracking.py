@@ -24,7 +24,8 @@ def truth(distance, closing, share=1.0, in_view=True):
 
     return Measurable(
         in_view=np.full(n, in_view), distance=np.asarray(distance, float).reshape(n), closing=full(closing),
-        closing_accel=full(0), left=full(0), closing_left=full(0), bearing=full(0), overlap=full(share), turn=full(0),
+        closing_accel=full(0), left=full(0), closing_left=full(0), bearing=full(0), overlap=full(share),
+        own_accel=full(0), turn=full(0),
     )  # fmt: skip
 
 
@@ -137,6 +138,22 @@ def test_a_car_that_turns_knows_where_a_standing_target_is(latency):
     known = tracks.motion(sensors, seen, DT)
     assert abs(known.left.mean() - left) < 0.05
     assert abs(known.distance.mean() - ahead) < 0.05
+
+
+@pytest.mark.parametrize("latency", [0.0, 0.1])
+def test_own_braking_is_known_and_not_taken_for_the_targets(latency):
+    """8 m/s2 from 15 m/s behind a lead at 10 m/s: the closing speed is right at every instant."""
+    sensors, n, decel = replace(suite("radar"), latency=latency), 300, 8.0
+    tracks = track_init(sensors, np.arange(1, n + 1, dtype=np.uint64), DT)
+    closing, gap = 5.0, 30.0
+    for k in range(150):
+        braking = decel if k >= 100 else 0.0
+        gap, closing = gap - closing * DT + braking * DT**2 / 2, closing - braking * DT
+        seen = replace(truth(np.full(n, gap), closing), own_accel=np.full(n, -braking))
+        tracks = track_step(sensors, tracks, seen, time=DT * (k + 1), dt=DT)
+    known = tracks.motion(sensors, seen, DT)
+    assert abs(known.closing.mean() - closing) < 0.1
+    assert abs(known.distance.mean() - gap) < 0.1
 
 
 @pytest.mark.parametrize(("dt", "steps"), [(0.1, 1), (0.05, 1), (0.02, 3), (0.01, 5)])
