@@ -11,12 +11,14 @@ from typing import TypeVar
 import numpy as np
 import pandas as pd
 
+from aeb_sumo.criticality import ttc
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.scenarios.cases import EGO, TARGET
 from aeb_sumo.simulate import run
 from aeb_sumo.soa import Bools, Floats
 from aeb_sumo.strategies.base import Phase, Strategy
 from aeb_sumo.trace import Trace
+from aeb_sumo.world.contact import Boxes, distance
 from aeb_sumo.world.session import SumoError
 
 __all__ = ["Case", "Drive", "body_distance", "drive", "drive_all"]
@@ -82,10 +84,8 @@ class Drive:
 
     @property
     def ttc(self) -> Floats:
-        """(k,) gap by closing speed [s]."""
-        never = np.full(len(self.gap), np.inf)
-        result: Floats = np.divide(self.gap, self.closing, out=never, where=self.closing > 0)
-        return result
+        """(k,) time to collision [s]."""
+        return ttc(gap=self.gap, closing_speed=self.closing)
 
     def first(self, condition: Bools) -> int:
         """Index of the first instant at which something holds; -1 if it never does."""
@@ -234,27 +234,7 @@ class _Over:
 
 
 def body_distance(first: pd.DataFrame, second: pd.DataFrame) -> Floats:
-    """(k,) distance between the bodies of two vehicles, as rectangles [m]; meaningless while they overlap."""
-    a, b = _corners(first), _corners(second)
-    return np.minimum(_corners_to_sides(a, b), _corners_to_sides(b, a))
-
-
-def _corners(v: pd.DataFrame) -> Floats:
-    """(k, 4, 2) corners, in order around the body."""
-    x, y, heading, length, width = (
-        v[c].to_numpy(float)[:, None] for c in ("x_m", "y_m", "heading_rad", "length_m", "width_m")
-    )
-    back = np.array([0.0, 0.0, 1.0, 1.0]) * length
-    left = np.array([0.5, -0.5, -0.5, 0.5]) * width
-    cos, sin = np.cos(heading), np.sin(heading)
-    return np.stack([x - back * cos - left * sin, y - back * sin + left * cos], axis=-1)
-
-
-def _corners_to_sides(corners: Floats, body: Floats) -> Floats:
-    """(k,) smallest distance from any corner to any side of the other body [m]."""
-    start = body[:, None, :, :]
-    side = np.roll(body, -1, axis=1)[:, None, :, :] - start
-    to = corners[:, :, None, :] - start
-    share = np.clip((to * side).sum(-1) / (side**2).sum(-1), 0.0, 1.0)
-    result: Floats = np.sqrt(((to - share[..., None] * side) ** 2).sum(-1)).min(axis=(1, 2))
-    return result
+    """(k,) distance between the bodies of two vehicles, rows of a trace, as rectangles [m]."""
+    columns = ("x_m", "y_m", "heading_rad", "length_m", "width_m")
+    one, other = (Boxes.of(*(v[c].to_numpy(float) for c in columns)) for v in (first, second))
+    return distance(one, other)

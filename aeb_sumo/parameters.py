@@ -62,21 +62,18 @@ def changed(params: P, values: Mapping[str, Any]) -> P:
 
 def differences(params: Any) -> str:
     """Fields that differ from the defaults of their class, as `name=value` with spaces between."""
-    default, parts = type(params)(), []
+    return " ".join(_between(type(params)(), params, ""))
+
+
+def _between(usual: Any, params: Any, prefix: str) -> list[str]:
+    parts: list[str] = []
     for item in fields(params):
-        value, usual = getattr(params, item.name), getattr(default, item.name)
-        if value == usual:
-            continue
-        if is_dataclass(value) and type(value) is type(usual):
-            parts.append(_between(usual, value, f"{item.name}."))
-        else:
-            parts.append(f"{item.name}={value}")
-    return " ".join(parts)
-
-
-def _between(usual: Any, value: Any, prefix: str) -> str:
-    pairs = [(i.name, getattr(usual, i.name), getattr(value, i.name)) for i in fields(value)]
-    return " ".join(f"{prefix}{name}={new}" for name, old, new in pairs if new != old)
+        old, new = getattr(usual, item.name), getattr(params, item.name)
+        if new != old and is_dataclass(new) and type(new) is type(old):
+            parts += _between(old, new, f"{prefix}{item.name}.")
+        elif new != old:
+            parts.append(f"{prefix}{item.name}={new}")
+    return parts
 
 
 def _typed(name: str, before: Any, value: Any) -> Any:

@@ -24,9 +24,6 @@ class Suite:
         name: as on the command line.
         sensors: a target counts as detected in a frame when one of them detects it; none: an ideal suite, which sees
             everything in view as it is.
-        reach: the farthest any of them sees [m], our assumption (long-range radar).
-        field_of_view: the widest any of them sees, full angle [deg]; 70 from another source (Sui et al. 2021, reference
-            AEB for two-wheelers).
         persist: ideal suites: a target counts once it has been in view without a gap for this long; all suites: so
             long must a crossing conflict last [s], our assumption.
         cycle: time between frames [s], our assumption (automotive radar and camera: 40 to 60 ms).
@@ -40,8 +37,6 @@ class Suite:
 
     name: str
     sensors: tuple[Sensor, ...] = ()
-    reach: float = 150.0
-    field_of_view: float = 70.0
     persist: float = 0.2
     cycle: float = 0.05
     confirm: tuple[int, int] = (3, 5)
@@ -49,6 +44,19 @@ class Suite:
     latency: float = 0.0
     manoeuvre: float = 5.0
     sure: float = 0.5
+
+    @property
+    def reach(self) -> float:
+        """The farthest that any of them sees [m]; ideal suites: 150, our assumption (long-range radar)."""
+        return max((sensor.reach for sensor in self.sensors), default=150.0)
+
+    @property
+    def field_of_view(self) -> float:
+        """The widest that any of them sees, full angle [deg].
+
+        Ideal suites: 70, from another source (Sui et al. 2021, reference AEB for two-wheelers).
+        """
+        return max((sensor.field_of_view for sensor in self.sensors), default=70.0)
 
     def __post_init__(self) -> None:
         """Raises `InputError` for a parameter out of range."""
@@ -84,7 +92,7 @@ SUITES: dict[str, Suite] = {
     for s in (
         Suite(name="ideal"),
         Suite(name="radar", sensors=(RADAR,), latency=0.05),
-        Suite(name="camera", sensors=(CAMERA,), reach=120.0, field_of_view=52.0, latency=0.05),
+        Suite(name="camera", sensors=(CAMERA,), latency=0.05),
         Suite(name="fusion", sensors=(RADAR, CAMERA), latency=0.05),
     )
 }

@@ -60,7 +60,7 @@ def rule_base() -> RuleBase:
 
 @cache
 def _surface() -> Surface:
-    """The control surface, within 0.02 m/s2 of exact inference (tests/reference/test_fuzzy.py)."""
+    """The control surface, within 0.02 m/s2 of inference at the points of tests/reference/test_fuzzy.py."""
     return rule_base().surface()
 
 

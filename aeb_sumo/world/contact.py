@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["Boxes", "Impact", "impact", "separation", "touching"]
+__all__ = ["Boxes", "Impact", "distance", "impact", "separation", "touching"]
 
 _SAMPLES = np.linspace(0.0, 1.0, 9)  # of a step, for vehicles that may pass each other within it
 _BISECTIONS = 20  # 0.1 s / 8 / 2^20: below a microsecond
@@ -73,6 +73,22 @@ def separation(a: Boxes, b: Boxes) -> Floats:
     """
     gaps: Floats = _axes_gaps(a, b).max(-1)
     return gaps
+
+
+def distance(a: Boxes, b: Boxes) -> Floats:
+    """Distance of the two boxes, pairwise, (n,) [m]; 0 where they touch or overlap."""
+    apart = np.minimum(_corners_to_sides(a.corners(), b.corners()), _corners_to_sides(b.corners(), a.corners()))
+    return np.where(separation(a, b) <= 0, 0.0, apart)
+
+
+def _corners_to_sides(corners: Floats, other: Floats) -> Floats:
+    """Smallest distance from any of the corners (n, 4, 2) to any side of the other box, (n,) [m]."""
+    start = other[:, None, :, :]
+    side = np.roll(other, -1, axis=1)[:, None, :, :] - start
+    to = corners[:, :, None, :] - start
+    share = np.clip((to * side).sum(-1) / (side**2).sum(-1), 0.0, 1.0)
+    result: Floats = np.sqrt(((to - share[..., None] * side) ** 2).sum(-1)).min(axis=(1, 2))
+    return result
 
 
 def _poses(t: Traffic, slots: Ints, when: Floats | float) -> tuple[Floats, Floats, Floats]:

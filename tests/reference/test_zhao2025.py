@@ -5,56 +5,30 @@ import pytest
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.fuzzy import RuleBase
-from aeb_sumo.simulate import run
 from aeb_sumo.strategies.base import Phase
 from aeb_sumo.strategies.zhao2025 import Zhao2025, rule_base
-from tests.helpers import approach, percept
+from tests.helpers import percept
 
-# id, ego km/h, lead km/h, gap m, mu, published critical distance m, of the formula m, final gap m
+# id, ego km/h, lead km/h, mu, published critical distance m, of the formula m; end to end: test_reproduction.py
 CASES = [
-    ("Z10 Z15 CCRs 20", 20, 0, 50, 0.85, 5.46, 4.996, 1.29),
-    ("Z10 Z15 CCRs 30", 30, 0, 50, 0.85, 8.96, 8.575, 1.11),
-    ("Z11 Z15 CCRs 40", 40, 0, 50, 0.85, 13.11, 13.342, 1.29),
-    ("Z12 Z16 CCRm 30", 30, 20, 30, 0.85, 4.51, 4.605, 2.84),
-    ("Z12 Z16 CCRm 40", 40, 20, 30, 0.85, 6.68, 6.997, 2.18),
-    ("Z12 Z16 CCRm 50", 50, 20, 30, 0.85, 10.15, 10.576, 1.87),
-    ("Z13 Z17 72 km/h", 72, 0, 150, 0.85, 36.41, 36.569, 1.47),
-    ("Z14 Z17 wet 30", 30, 0, 50, 0.5, 11.85, 12.126, 2.25),
+    ("Z10 CCRs 20", 20, 0, 0.85, 5.46, 4.996),
+    ("Z10 CCRs 30", 30, 0, 0.85, 8.96, 8.575),
+    ("Z11 CCRs 40", 40, 0, 0.85, 13.11, 13.342),
+    ("Z12 CCRm 30", 30, 20, 0.85, 4.51, 4.605),
+    ("Z12 CCRm 40", 40, 20, 0.85, 6.68, 6.997),
+    ("Z12 CCRm 50", 50, 20, 0.85, 10.15, 10.576),
+    ("Z13 72 km/h", 72, 0, 0.85, 36.41, 36.569),
+    ("Z14 wet 30", 30, 0, 0.5, 11.85, 12.126),
 ]
 IDS = [case[0] for case in CASES]
 
 
 @pytest.mark.parametrize("case", CASES, ids=IDS)
 def test_critical_distance(case):
-    _, ego, lead, _, mu, published, formula, _ = case
+    _, ego, lead, mu, published, formula = case
     distance = Zhao2025().braking_distance(percept(ego_speed=ego / 3.6, target_speed=lead / 3.6, mu=mu))[0]
     assert distance == pytest.approx(formula, abs=0.001)
     assert distance == pytest.approx(published, abs=0.6)
-
-
-@pytest.mark.parametrize("case", CASES, ids=IDS)
-def test_final_gap_end_to_end_in_sumo(case, on_track):
-    """From the initial condition to the end of braking, at a step of 0.02 s (A6); Z24: no contact in any case."""
-    _, ego, lead, gap, mu, _, _, published = case
-    result = run(on_track(approach(ego, lead, gap), step_length=0.02, mu=mu))
-    assert len(result.crashes) == 0
-    # CCRm 50 misses the table's 0.3 m by 0.02: 2.19 m here, 1.87 published, 2.06 in the table's own model.
-    tolerance = 0.33 if "CCRm 50" in case[0] else 0.3
-    assert result.interventions["min_gap_m"].min() == pytest.approx(published, abs=tolerance)
-
-
-@pytest.mark.parametrize(
-    ("case", "warn_time", "tolerance"),
-    [
-        pytest.param((30, 0, 50), 3.40, 0.04, id="Z1"),
-        pytest.param((40, 20, 30), 2.84, 0.05, id="Z2"),
-        pytest.param((72, 0, 150), 4.72, 0.04, id="Z3"),
-    ],
-)
-def test_instant_of_the_warning(case, warn_time, tolerance, on_track):
-    result = run(on_track(approach(*case), step_length=0.04))
-    # SUMO inserts at the end of its first step, at time 0.04; the source's clock starts with the approach.
-    assert result.interventions["begin_s"].iloc[0] - 0.04 == pytest.approx(warn_time, abs=tolerance + 1e-9)
 
 
 def test_thresholds_are_latched_when_the_warning_begins():

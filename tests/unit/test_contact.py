@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from aeb_sumo.world.contact import Boxes, impact, separation, touching
+from aeb_sumo.world.contact import Boxes, distance, impact, separation, touching
 from aeb_sumo.world.observe import Traffic
 
 DT = 0.1
@@ -98,3 +98,12 @@ def test_a_jump_is_no_motion():
 
 def test_standing_side_by_side_is_no_contact():
     assert len(touching(traffic((100, 0, 0, 0, 0, 5, 2, 1500), (100, 2.01, 0, 0, 0, 5, 2, 1500)))[0]) == 0
+
+
+def test_distance_of_bodies():
+    """Face to face 2 m; corner to corner 3 and 4 m, where the largest gap along an axis is only 4 m; overlapping."""
+    own = boxes(*[(0, 0, 0, 4, 2)] * 3)
+    other = boxes((6, 0, 0, 4, 2), (7, 6, 0, 4, 2), (3, 0.5, 0, 4, 2))
+    assert distance(own, other) == pytest.approx([2.0, 5.0, 0.0])
+    assert distance(other, own) == pytest.approx([2.0, 5.0, 0.0])
+    assert separation(own, other)[:2] == pytest.approx([2.0, 4.0])
