@@ -81,8 +81,8 @@ class Golden:
         Args:
             scenario: what is simulated: a name, the path of a .sumocfg, or a scenario.
             strategy: the AEB, or its name. Its parameters are not part of the section's name: they are what is tuned.
-            name: of the section; None for scenario, strategy and the numbers among `run_arguments`. Runs of one module
-                that differ otherwise need names.
+            name: of the section; None for scenario, strategy and the numbers and texts among `run_arguments`. Runs
+                of one module that differ otherwise need names.
             tolerance: largest difference of numbers that are no counts, in their own unit. They are kept to three
                 decimals; counts and names are compared exactly.
             run_arguments: as for `aeb_sumo.simulate.run`.
