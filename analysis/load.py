@@ -10,7 +10,7 @@ from aeb_sumo.results import Results, read
 __all__ = ["Dataset", "load"]
 
 
-_SETTINGS = ("scenario", "penetration", "errors", "step_length_s", "mu", "blockage_s")
+_SETTINGS = ("scenario", "penetration", "drivers", "step_length_s", "mu", "blockage_s")
 
 
 @dataclass(frozen=True)

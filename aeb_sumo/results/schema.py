@@ -57,7 +57,7 @@ _RUNS = _table(
     ("parameters", "string", "-", "of the AEB system, where they differ from its defaults: `name=value`, by spaces"),
     ("penetration", "float64", "-", "share of cars equipped, 0 to 1"),
     ("seed", "int64", "-", "seed of SUMO and of all drivers"),
-    ("errors", "string", "-", "errors the drivers make, joined by +; `attentive` for none"),
+    ("drivers", "string", "-", "driver profile, by name or file"),
     ("step_length_s", "float64", "s", "step of the simulation"),
     ("begin_s", "float64", "s", "simulated time at the start"),
     ("end_s", "float64", "s", "simulated time reached"),
