@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aeb_sumo.criticality import EXPOSED, pet, time_below
-from aeb_sumo.ledger.encounters import Pairs, crossing, following
+from aeb_sumo.ledger.encounters import THREAT, Pairs, crossing, following
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.soa import Bools, Floats, Ints, joined, take
 from aeb_sumo.units import G
@@ -22,7 +22,6 @@ __all__ = ["EVASIVE", "Conflicts"]
 EVASIVE = 0.5 * G
 """Braking above which an encounter without contact is a near-crash [m/s2], from another source: the 100-Car study."""
 
-_TTC = 4.0  # s, the 100-Car study's threshold for looking at a braking manoeuvre, from another source
 _PET = 3.0  # s, our assumption; SSAM counts up to 5
 _PAUSE = 1.0  # s without being a pair after which an encounter is over, our assumption
 _LONGEST_PET = 5.0  # s, how long the second is waited for, from another source: the default of SSAM
@@ -35,7 +34,7 @@ class _Open:
     Attributes:
         begin, seen: first and last step as a pair [s].
         min_gap, min_ttc, min_ttc2, max_drac, max_required, exposed: so far.
-        max_decel: of both, on a collision course [m/s2].
+        max_decel: of both, under threat [m/s2].
         worst: who would come second, at the smallest TTC.
         where: (n, 4) front bumpers of both then [m].
         secondary: one had crashed before.
@@ -45,7 +44,7 @@ class _Open:
 
     key: Ints
     slots: Ints
-    course: Bools
+    threat: Bools
     begin: Floats
     seen: Floats
     min_gap: Floats
@@ -71,7 +70,7 @@ class _Open:
         return cls(
             key=pairs.key,
             slots=pairs.slots,
-            course=pairs.course,
+            threat=pairs.threat,
             begin=np.full(n, time),
             seen=np.full(n, time),
             min_gap=never.copy(),
@@ -104,9 +103,10 @@ class Conflicts:
         self._traffic = traffic
         self._error = error
         self._errors: dict[int, list[str]] = {}
-        none = np.zeros(0, np.bool_)
-        no_pairs = following(traffic, Leads(traffic), none)
-        self._open = _Open.of(no_pairs, 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_))
+        nobody = np.zeros(0, np.bool_)
+        self._open = _Open.of(
+            following(traffic, Leads(traffic), nobody), 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_)
+        )
 
     def crash(self, one: int, other: int) -> None:
         """The vehicles in two slots have touched."""
@@ -122,7 +122,8 @@ class Conflicts:
         pairs = joined(following(t, leads, wrecked), crossing(t, crossings, wrecked))
         at = self._rows_of(pairs, time, equipped)
         o, slots = self._open, pairs.slots
-        braking = (pairs.course | o.course[at])[:, None] * np.maximum(-t.accel[slots], 0.0)
+        evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
+        braking = np.where(evading, np.maximum(-t.accel[slots], 0.0), 0.0)
         self._note_worst(at, pairs)
         for smallest, value in ((o.min_gap, pairs.gap), (o.min_ttc, pairs.ttc), (o.min_ttc2, pairs.ttc2)):
             smallest[at] = np.minimum(smallest[at], value)
@@ -130,7 +131,7 @@ class Conflicts:
             largest[at] = np.maximum(largest[at], value)
         o.exposed[at] += time_below(pairs.ttc, EXPOSED, dt=t.dt)
         o.secondary[at] |= wrecked[slots].any(1)
-        o.course[at], o.seen[at] = pairs.course, time
+        o.threat[at], o.seen[at] = pairs.threat, time
         crosses = self._advance(time, at, pairs)
 
         gone = ~t.here[o.slots].all(1) | np.where(crosses, wrecked[o.slots].all(1), wrecked[o.slots[:, 0]])
@@ -163,7 +164,7 @@ class Conflicts:
         rows, slots = at[worse], pairs.slots[worse]
         o.worst[rows] = pairs.second[worse]
         o.where[rows] = np.column_stack([t.x[slots], t.y[slots]])[:, [0, 2, 1, 3]]
-        for k in worse[pairs.ttc[worse] < _TTC].tolist():
+        for k in worse[pairs.ttc[worse] < THREAT].tolist():
             one, other = pairs.slots[k].tolist()
             made = self._errors.setdefault(int(pairs.key[k]), ["", ""])
             made[:] = [self._error(one, other) or made[0], self._error(other, one) or made[1]]
@@ -197,7 +198,7 @@ class Conflicts:
         gap = pet(leave=o.leave[row, 1 - ego], enter=o.enter[row, ego])
         hardest = np.where(crosses, o.max_decel.max(1), o.max_decel[:, 0])
         near = hardest > EVASIVE
-        matters = near | np.where(crosses, (np.abs(gap) < _PET) | (o.min_ttc < EXPOSED), o.min_ttc < _TTC)
+        matters = near | np.where(crosses, (gap < _PET) | (o.min_ttc < EXPOSED), o.min_ttc < THREAT)
         t = self._traffic
         for k in range(len(o.key)):
             errors = self._errors.pop(int(o.key[k]), ["", ""])

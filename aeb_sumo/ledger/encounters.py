@@ -12,7 +12,11 @@ from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
 from aeb_sumo.world.surroundings import Leads
 
-__all__ = ["Pairs", "crossing", "following"]
+__all__ = ["THREAT", "Pairs", "crossing", "following"]
+
+THREAT = 4.0
+"""TTC below which hard braking is taken for evasive [s], from another source: the trigger of the 100-Car study (Dingus
+et al. 2006: 0.5 g at a forward TTC of 4 s or less; remembered, not read again)."""
 
 _SOON = 5.0  # s before a crossing, at the present speed, from which a pair is followed, our assumption
 _CREEP = 3.0  # m/s, what those that stand count as there: they may set off, our assumption
@@ -27,8 +31,8 @@ class Pairs:
         key: tells a pair from others, also from step to step; negative at crossings.
         slots: (k, 2) the ego and its lead; at crossings the earlier in the run first.
         second: column of `slots` of who would come second; 0 for followers.
-        course: they are on a collision course.
-        gap: bumper to bumper; at crossings distance of the bodies [m].
+        threat: their TTC is below `THREAT`, or both are where their paths cross.
+            gap: bumper to bumper; at crossings distance of the bodies [m].
         ttc, ttc2: [s].
         drac, required: decelerations that the second needs [m/s2].
         zone: (k, 4) first column's distances to where the crossing begins and ends, then the second's [m]; nan for
@@ -38,7 +42,7 @@ class Pairs:
     key: Ints
     slots: Ints
     second: Ints
-    course: Bools
+    threat: Bools
     gap: Floats
     ttc: Floats
     ttc2: Floats
@@ -77,13 +81,14 @@ def following(t: Traffic, leads: Leads, wrecked: Bools) -> Pairs:
     ego, lead, gap = ego[k], lead[k], gap[k]
     slots, speed, lead_speed, lead_accel = np.column_stack([ego, lead]), t.speed[ego], t.speed[lead], t.accel[lead]
     closing = speed - lead_speed
+    time = ttc(gap=gap, closing_speed=closing)
     return Pairs(
         key=_keys(t, slots),
         slots=slots,
         second=np.zeros(len(k), np.int64),
-        course=np.ones(len(k), np.bool_),
+        threat=time < THREAT,
         gap=gap,
-        ttc=ttc(gap=gap, closing_speed=closing),
+        ttc=time,
         ttc2=ttc2(gap=gap, closing_speed=closing, closing_accel=t.accel[ego] - lead_accel),
         drac=drac(gap=gap, closing_speed=closing),
         required=required_decel(gap=gap, speed=speed, lead_speed=lead_speed, lead_accel=lead_accel),
@@ -129,7 +134,7 @@ def crossing(t: Traffic, crossings: Crossings, wrecked: Bools) -> Pairs:
         key=-_keys(t, slots),
         slots=slots,
         second=second,
-        course=np.isfinite(time) | inside,
+        threat=(time < THREAT) | inside,
         gap=distance(one, two),
         ttc=time,
         ttc2=time2,
