@@ -119,7 +119,9 @@ class Conflicts:
     def step(self, time: float, leads: Leads, crossings: Crossings, wrecked: Bools, equipped: Bools) -> None:
         """Book the step that ended at `time` [s]; per slot who is a wreck, and who has an AEB."""
         t = self._traffic
-        pairs = joined(following(t, leads, wrecked), crossing(t, crossings, wrecked))
+        pairs = following(t, leads, wrecked)
+        if len(crossings.ego):
+            pairs = joined(pairs, crossing(t, crossings, wrecked))
         at = self._rows_of(pairs, time, equipped)
         o, slots = self._open, pairs.slots
         evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
@@ -132,7 +134,9 @@ class Conflicts:
         o.exposed[at] += time_below(pairs.ttc, EXPOSED, dt=t.dt)
         o.secondary[at] |= wrecked[slots].any(1)
         o.threat[at], o.seen[at] = pairs.threat, time
-        crosses = self._advance(time, at, pairs)
+        crosses = o.key < 0
+        if crosses.any():
+            self._advance(time, at, pairs)
 
         gone = ~t.here[o.slots].all(1) | np.where(crosses, wrecked[o.slots].all(1), wrecked[o.slots[:, 0]])
         left = o.leave.min(1)
@@ -169,12 +173,8 @@ class Conflicts:
             made = self._errors.setdefault(int(pairs.key[k]), ["", ""])
             made[:] = [self._error(one, other) or made[0], self._error(other, one) or made[1]]
 
-    def _advance(self, time: float, at: Ints, pairs: Pairs) -> Bools:
-        """Take all on to where the paths cross, also those that are no pair any more since one has left it.
-
-        Returns:
-            (n,) which of the encounters are at crossings.
-        """
+    def _advance(self, time: float, at: Ints, pairs: Pairs) -> None:
+        """Take all on to where the paths cross, also those that are no pair any more since one has left it."""
         t, o = self._traffic, self._open
         pace = (t.speed[o.slots] + t.old_speed[o.slots]) / 2
         o.zone[:] -= np.repeat(pace * t.dt, 2, axis=1)
@@ -183,8 +183,6 @@ class Conflicts:
             now = (beyond >= 0) & np.isinf(instants)
             ago = np.divide(beyond, pace, out=np.zeros_like(pace), where=now & (pace > 0))
             instants[now] = time - np.minimum(ago[now], t.dt)
-        crosses: Bools = o.key < 0
-        return crosses
 
     def _close(self, over: Bools, *, crashed: bool = False) -> None:
         """End encounters; rows for those that came to matter."""
