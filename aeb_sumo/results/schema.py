@@ -11,7 +11,7 @@ import pyarrow as pa
 
 __all__ = ["SCHEMA_VERSION", "TABLES", "Column", "Table"]
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 DType = Literal["string", "int64", "float64", "bool"]
 
@@ -52,10 +52,15 @@ _RUNS = _table(
     "runs",
     "One row per run: what was simulated, and the books of the run as a whole.",
     ("scenario", "string", "-", "name of the scenario, or path of the .sumocfg as given"),
-    ("strategy", "string", "-", "AEB system; `none` for the baseline"),
-    ("sensing", "string", "-", "sensor suite of the equipped vehicles; empty for the baseline"),
-    ("parameters", "string", "-", "of the AEB system, where they differ from its defaults: `name=value`, by spaces"),
-    ("penetration", "float64", "-", "share of cars equipped, 0 to 1"),
+    ("strategy", "string", "-", "AEB system; `none` for the baseline; of a mix `[kind:]system=share`, by commas"),
+    ("sensing", "string", "-", "sensor suites of the equipped vehicles, joined by +; empty for the baseline"),
+    (
+        "parameters",
+        "string",
+        "-",
+        "of the systems, where not their defaults: `name=value`, by spaces; of a mix `system.name=value`",
+    ),
+    ("penetration", "float64", "-", "share of cars equipped, 0 to 1; null where it depends on their kind"),
     ("seed", "int64", "-", "seed of SUMO and of all drivers"),
     ("errors", "string", "-", "errors the drivers make, joined by +; `attentive` for none"),
     ("step_length_s", "float64", "s", "step of the simulation"),
@@ -97,6 +102,8 @@ _CRASHES = _table(
     ("struck_vtype", "string", "-", "vehicle type of the scenario"),
     ("striker_equipped", "bool", "-", "it has an AEB"),
     ("struck_equipped", "bool", "-", "it has an AEB"),
+    ("striker_strategy", "string", "-", "its AEB system, with `/suite` where not the system's own; empty without"),
+    ("struck_strategy", "string", "-", "its AEB system; empty without"),
     ("striker_speed_mps", "float64", "m/s", "its speed at contact"),
     ("struck_speed_mps", "float64", "m/s", "its speed at contact"),
     ("impact_speed_mps", "float64", "m/s", "magnitude of the relative velocity at contact"),
@@ -117,6 +124,7 @@ _INTERVENTIONS = _table(
     ("intervention_id", "int64", "-", "number within the run, from 0, in the order of their ends"),
     ("vehicle", "string", "-", "id of the equipped vehicle"),
     ("vclass", "string", "-", "SUMO's vehicle class"),
+    ("strategy", "string", "-", "its AEB system, with `/suite` where not the system's own"),
     ("phase", "string", "-", "highest phase reached: `warn`, `partial_brake` or `full_brake`"),
     ("target", "string", "-", "id of the vehicle it reacted to, at the trigger"),
     ("target_vclass", "string", "-", "SUMO's vehicle class"),
@@ -144,9 +152,10 @@ _INTERVENTIONS = _table(
 
 _EXPOSURE = _table(
     "exposure",
-    "Distance and time driven, by vehicle class and equipment; wrecks do not count.",
+    "Distance and time driven, by vehicle class and AEB system; wrecks do not count.",
     ("vclass", "string", "-", "SUMO's vehicle class"),
     ("equipped", "bool", "-", "with an AEB"),
+    ("strategy", "string", "-", "AEB system, with `/suite` where not the system's own; empty without"),
     ("vehicles", "int64", "-", "vehicles that departed"),
     ("distance_m", "float64", "m", "distance driven by all of them"),
     ("time_s", "float64", "s", "time on the road of all of them"),
