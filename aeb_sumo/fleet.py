@@ -13,7 +13,8 @@ from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.paths import Paths, Turn
+from aeb_sumo.world.paths import Paths
+from aeb_sumo.world.surroundings import Leads
 
 __all__ = ["Fleet", "Target"]
 
@@ -47,6 +48,7 @@ class Fleet:
     def __init__(
         self,
         traffic: Traffic,
+        leads: Leads,
         paths: Paths,
         friction: Friction,
         strategy: Strategy,
@@ -58,7 +60,7 @@ class Fleet:
         self._traffic = traffic
         self._friction = friction
         self._strategy = strategy
-        self._lookout = Lookout(traffic, paths, suite, strategy.gaze, sublane=sublane, seed=seed)
+        self._lookout = Lookout(traffic, leads, paths, suite, strategy.gaze, sublane=sublane, seed=seed)
         self.grip = Grip(
             traffic, friction, estimates=strategy.estimates_friction, prior=strategy.friction_prior, seed=seed
         )
@@ -90,12 +92,11 @@ class Fleet:
         self.equipped[slot] = False
         self._reset(np.array([slot]))
 
-    def step(self, time: float, turns: list[Turn], disabled: Bools) -> None:
+    def step(self, time: float, disabled: Bools) -> None:
         """From the state just observed to `demand` and `decel` for the coming step.
 
         Args:
             time: now [s].
-            turns: vehicles near junctions and their paths.
             disabled: per slot, vehicles whose AEB is out of action (wrecks).
         """
         t, dt = self._traffic, self._traffic.dt
@@ -109,7 +110,7 @@ class Fleet:
         self.demand.decel[:] = 0.0
         self.grip.step(rows)
         braking = self._last_phase >= Phase.PARTIAL_BRAKE
-        targets = self._lookout.step(rows, turns, braking=braking, time=time)
+        targets = self._lookout.step(rows, braking=braking, time=time)
         # The strategy only has work where there is a target, or something to end.
         unfinished = (self._last_phase[rows] > 0) | self._working(rows)
         busy = (targets.slot >= 0) | unfinished

@@ -9,7 +9,6 @@ from aeb_sumo.fleet import Fleet, Target
 from aeb_sumo.lookout import Targets
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, put
 from aeb_sumo.strategies.base import Demand
-from aeb_sumo.world.paths import Turn
 
 __all__ = ["Fleets"]
 
@@ -61,10 +60,10 @@ class Fleets:
             fleet.leave(slot)
         self._which[slot] = 0
 
-    def step(self, time: float, turns: list[Turn], disabled: Bools) -> None:
+    def step(self, time: float, disabled: Bools) -> None:
         """See `Fleet.step`."""
         for fleet in self._fleets:
-            fleet.step(time, turns, disabled)
+            fleet.step(time, disabled)
 
     def active(self) -> list[tuple[int, Target | None]]:
         """See `Fleet.active`; in the order of the slots."""

@@ -14,8 +14,8 @@ from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_s
 from aeb_sumo.soa import Bools, Floats, Ints, put, take
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.observe import Traffic, VClasses
-from aeb_sumo.world.paths import Paths, Turn
-from aeb_sumo.world.surroundings import lateral_position, leaders
+from aeb_sumo.world.paths import Paths
+from aeb_sumo.world.surroundings import Leads, lateral_position
 
 __all__ = ["Lookout", "Targets"]
 
@@ -88,8 +88,11 @@ class Lookout:
     Whether two will meet at a crossing is judged on their true motion; sensing decides whether and where they are seen.
     """
 
-    def __init__(self, traffic: Traffic, paths: Paths, suite: Suite, gaze: Gaze, *, sublane: bool, seed: int) -> None:
+    def __init__(
+        self, traffic: Traffic, leads: Leads, paths: Paths, suite: Suite, gaze: Gaze, *, sublane: bool, seed: int
+    ) -> None:
         self._traffic = traffic
+        self._leads = leads
         self._sublane = sublane
         self._paths = paths
         self._suite = suite
@@ -99,16 +102,15 @@ class Lookout:
         self._tracks = track_init(suite, np.zeros(0, np.uint64), traffic.dt)
         self._conflict: Floats = np.zeros(0)  # for how long each track has been in conflict [s], < 0: it is not
 
-    def step(self, rows: Ints, turns: list[Turn], *, braking: Bools, time: float) -> Targets:
+    def step(self, rows: Ints, *, braking: Bools, time: float) -> Targets:
         """The targets of the vehicles in slots `rows` (rising).
 
         Args:
             rows: slots of the equipped vehicles.
-            turns: vehicles near junctions and their paths.
             braking: per slot, the AEB is braking.
             time: now [s].
         """
-        pairs = self._candidates(rows[self._traffic.speed[rows] > 0], turns)
+        pairs = self._candidates(rows[self._traffic.speed[rows] > 0])
         tracks, conflict = self._matched(pairs)
         truth = self._measurable(pairs)
         tracks = track_step(self._suite, tracks, truth, time=time, dt=self._traffic.dt)
@@ -126,11 +128,10 @@ class Lookout:
         self._tracks, self._conflict = tracks, conflict
         return self._chosen(rows, pairs, truth, known, rank, tracks.confirmed & counts)
 
-    def _candidates(self, moving: Ints, turns: list[Turn]) -> _Pairs:
+    def _candidates(self, moving: Ints) -> _Pairs:
         t = self._traffic
-        lead, gap = leaders(t, moving, self._suite.reach)
-        k = np.flatnonzero(lead >= 0)
-        ego, other, gap = moving[k], lead[k], gap[k]
+        ego = moving[self._leads.lead[moving] >= 0]
+        other, gap = self._leads.lead[ego], self._leads.gap[ego]
         view = sees_lead(
             self._suite.reach,
             self._suite.field_of_view,
@@ -142,7 +143,7 @@ class Lookout:
             rear_y=t.back_y[other],
             lead_heading=t.heading[other],
         )
-        crossing_ego, crossing_other, zone = self._at_junctions(set(moving.tolist()), turns)
+        crossing_ego, crossing_other, zone = self._at_junctions(moving)
         crossing = np.zeros(len(ego) + len(crossing_ego), np.bool_)
         crossing[len(ego) :] = True
         crossing_view, distance = covered(
@@ -164,36 +165,28 @@ class Lookout:
             np.vstack([np.full((len(ego), 4), np.nan), zone]),
         )
 
-    def _at_junctions(self, moving: set[int], turns: list[Turn]) -> tuple[Ints, Ints, Floats]:
+    def _at_junctions(self, moving: Ints) -> tuple[Ints, Ints, Floats]:
         """Pairs at junctions: egos, others, (k, 4) distances to where their paths cross, nan where they do not."""
-        by_junction: dict[str, list[Turn]] = {}
-        for turn in turns:
-            by_junction.setdefault(turn.path.junction, []).append(turn)
-        pairs: list[tuple[int, int]] = []
-        zones: list[tuple[float, float, float, float]] = []
-        for group in by_junction.values():
-            for own in group:
-                if own.slot not in moving:
-                    continue
-                for other in group:
-                    if other.slot == own.slot:
-                        continue
-                    zone = self._paths.zone(own, other)
-                    if zone is not None and own.at < zone.own_to:
-                        pairs.append((own.slot, other.slot))
-                        zones.append(
-                            (
-                                zone.own_from - own.at,
-                                zone.own_to - own.at,
-                                zone.other_from - other.at,
-                                zone.other_to - other.at,
-                            )
-                        )
-                    elif self._gaze is Gaze.RELATIVE_MOTION and own.path is not other.path:
-                        pairs.append((own.slot, other.slot))
-                        zones.append((np.nan,) * 4)
-        ego, other_slots = np.array(pairs, np.int64).reshape(-1, 2).T
-        return ego, other_slots, np.array(zones).reshape(-1, 4)
+        crossings = self._paths.crossings
+        egos = np.zeros(self._traffic.capacity, np.bool_)
+        egos[moving] = True
+        to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)
+        ego, other, zone = crossings.ego[to_come], crossings.other[to_come], crossings.zone[to_come]
+        if self._gaze is Gaze.PATH:
+            return ego, other, zone
+        # Who knows no paths has to look at everyone there, but those on his own.
+        turns, users = self._paths.turns, self._paths.users
+        i, j = self._paths.pairs()
+        path = np.array([id(users[u][0]) for u in turns.user.tolist()], np.int64)
+        i, j = (k[egos[turns.slot[i]] & (path[i] != path[j])] for k in (i, j))
+        size = self._traffic.capacity
+        rest = ~np.isin(turns.slot[i] * size + turns.slot[j], ego * size + other)
+        i, j = turns.slot[i[rest]], turns.slot[j[rest]]
+        return (
+            np.concatenate([ego, i]),
+            np.concatenate([other, j]),
+            np.concatenate([zone, np.full((len(i), 4), np.nan)]),
+        )
 
     def _matched(self, pairs: _Pairs) -> tuple[Tracks, Floats]:
         """Tracks and conflicts of the pairs, from the last step where they were candidates then."""

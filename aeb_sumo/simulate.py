@@ -28,7 +28,7 @@ from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
-from aeb_sumo.world.surroundings import demanding
+from aeb_sumo.world.surroundings import Leads, demanding
 from aeb_sumo.world.wrecks import Crash, Wrecks
 from aeb_sumo.world.yielding import Yielding
 
@@ -145,15 +145,14 @@ class _Run:
         friction = Friction(self._traffic, scenario.mu, scenario.stretches)
         self._override = Override(self._traffic, friction)
         self._wrecks = Wrecks(self._traffic, network, session.sublane, blockage)
+        self._leads = Leads(self._traffic)
         self._paths = Paths(self._traffic, network)
         self._lapses = Lapses(scenario.errors, self._seed)
-        self._yielding = Yielding(self._traffic, scenario.errors.failure_to_yield, self._seed)
-        self._needs_paths = bool(carried.systems) or scenario.errors.failure_to_yield is not None
+        self._yielding = Yielding(self._traffic, self._paths, scenario.errors.failure_to_yield, self._seed)
+        world = self._traffic, self._leads, self._paths, friction
         self._fleet = Fleets(
             {
-                s.name: Fleet(
-                    self._traffic, self._paths, friction, s.strategy, s.suite, sublane=session.sublane, seed=self._seed
-                )
+                s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=self._seed)
                 for s in carried.systems or (System.of("none"),)
             }
         )
@@ -204,10 +203,11 @@ class _Run:
             self._book_crash(crash)
         wrecked = self._wrecks.wrecked
 
-        turns = self._paths.near_junctions(t.present) if self._needs_paths else []
+        self._leads.step()
+        self._paths.step()
         erring, erring_accel = self._drivers(time)
-        self._yielding.step(turns)
-        self._fleet.step(time, turns, wrecked)
+        self._yielding.step()
+        self._fleet.step(time, wrecked)
         self._override.drive(
             erring=erring,
             erring_accel=erring_accel,
@@ -252,7 +252,7 @@ class _Run:
         erring, accel, away = self._lapses.erring()
         self._excused &= away
         for slot in self._lapses.looked_away:
-            self._excused[slot] = t.here[slot] and demanding(t, slot)
+            self._excused[slot] = t.here[slot] and demanding(t, self._leads, slot)
         return erring & ~self._excused, accel
 
     def _error(self, slot: int, other: int | None = None) -> str:

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import libsumo
 import numpy as np
 
-from aeb_sumo.perception.crossing import Zone, crossing_zone
+from aeb_sumo.perception.crossing import crossing_zone
 from aeb_sumo.soa import Floats, Ints
 from aeb_sumo.world.network import Link, Network
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["Path", "Paths", "Turn"]
+__all__ = ["Crossings", "Path", "Paths", "Turns"]
 
 _SPACING = 0.5  # m between the points of a path
 _BEFORE = 60.0  # m before a junction at which a vehicle's path through it begins to matter, our assumption
@@ -45,32 +45,93 @@ class Path:
 
 
 @dataclass(frozen=True)
-class Turn:
-    """A vehicle on its path: slot, path, distance of the front bumper along it [m], half its width [m]."""
+class Turns:
+    """Vehicles near junctions in which others cross their paths, (n,) each.
 
-    slot: int
-    path: Path
-    at: float
-    half_width: float
+    Attributes:
+        slot: of the vehicle.
+        at: distance of its front bumper along its path [m].
+        user: number of its path and width, an index into `Paths.users`.
+    """
+
+    slot: Ints
+    at: Floats
+    user: Ints
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Ordered pairs of vehicles near the same junction whose planned paths cross, (k,) each; every pair stands twice.
+
+    Attributes:
+        ego, other: slots.
+        zone: (k, 4) from the front bumpers along the paths to the crossing: the ego's to where it begins and ends, the
+            other's to where it begins and ends [m]; negative behind it.
+    """
+
+    ego: Ints
+    other: Ints
+    zone: Floats
 
 
 class Paths:
-    """Planned paths of vehicles, followed lane by lane."""
+    """Planned paths of vehicles, followed lane by lane.
+
+    Attributes:
+        users: every path in use and half the width of the vehicle on it [m]; the ends of `Turns.user`.
+        turns, crossings: of the last step.
+    """
 
     def __init__(self, traffic: Traffic, network: Network) -> None:
         self._traffic = traffic
         self._network = network
         self._known: dict[tuple[str, Link], Path] = {}
         self._current: dict[str, tuple[str, Path | None]] = {}  # vehicle -> (lane, path)
-        self._zones: dict[tuple[Path, Path, float], Zone | None] = {}
+        self._numbers: dict[tuple[Path, float], int] = {}
+        self.users: list[tuple[Path, float]] = []
+        self._junctions: dict[str, int] = {}
+        self._junction_of: list[int] = []  # per user
+        # Where the paths of two users cross: sorted keys, and a row for each, nan where they do not.
+        self._keys: Ints = np.zeros(0, np.int64)
+        self._zones: Floats = np.zeros((0, 4))
+        none = np.zeros(0, np.int64)
+        self.turns = Turns(none, np.zeros(0), none)
+        self.crossings = Crossings(none, none, np.zeros((0, 4)))
 
-    def near_junctions(self, slots: Ints) -> list[Turn]:
-        """Of these vehicles, those from 60 m before a junction until their tail is out of it, if others cross there."""
-        t, turns = self._traffic, []
+    def step(self) -> None:
+        """From the state just observed to `turns` and `crossings`."""
+        self.turns = self._near_junctions()
+        i, j = self.pairs()
+        zone = self._zones_of(self.turns.user[i], self.turns.user[j])
+        crossed = np.isfinite(zone[:, 0])
+        i, j = i[crossed], j[crossed]
+        slot, at = self.turns.slot, self.turns.at
+        self.crossings = Crossings(
+            slot[i], slot[j], zone[crossed] - np.column_stack([at[i], at[i], at[j], at[j]]).reshape(-1, 4)
+        )
+
+    def pairs(self) -> tuple[Ints, Ints]:
+        """All ordered pairs of `turns` at the same junction: (k,) and (k,) rows."""
+        junction = np.array([self._junction_of[u] for u in self.turns.user.tolist()], np.int64)
+        order = np.argsort(junction, kind="stable")
+        _, start, size = np.unique(junction[order], return_index=True, return_counts=True)
+        each = np.repeat(size, size)  # per row in order: how many there are at its junction
+        first = np.repeat(np.arange(len(order)), each)
+        before = np.repeat(np.cumsum(each) - each, each)
+        second = np.repeat(np.repeat(start, size), each) + np.arange(len(first)) - before
+        apart = first != second
+        return order[first[apart]], order[second[apart]]
+
+    def _near_junctions(self) -> Turns:
+        """Vehicles from 60 m before a junction until their tail is out of it, if others cross there."""
+        t = self._traffic
+        slots: list[int] = []
+        positions: list[float] = []
+        users: list[int] = []
         for _, vehicle in t.left:
             self._current.pop(vehicle, None)
         lane_id, lane_position = libsumo.vehicle.getLaneID, libsumo.vehicle.getLanePosition
-        for slot in slots.tolist():
+        for slot in t.present.tolist():
             vehicle = t.ids[slot]
             lane = lane_id(vehicle)
             was, path = self._current.get(vehicle, ("", None))
@@ -85,25 +146,49 @@ class Paths:
                 path = self._path_from(vehicle, lane)
                 self._current[vehicle] = (lane, path)
             elif path.crossed and at >= path.junction_at - _BEFORE:
-                turns.append(Turn(slot, path, at, float(t.width[slot]) / 2))
-        return turns
+                slots.append(slot)
+                positions.append(at)
+                users.append(self._user(path, float(t.width[slot]) / 2))
+        return Turns(np.array(slots, np.int64), np.array(positions), np.array(users, np.int64))
 
-    def zone(self, own: Turn, other: Turn) -> Zone | None:
-        """Where the paths of two vehicles through the same junction cross; distances are along the paths."""
-        key = own.path, other.path, own.half_width + other.half_width
-        if key not in self._zones:
-            zone = crossing_zone(
-                *(own.path.points, own.path.heading, other.path.points, other.path.heading),
-                width=key[2],
-                spacing=_SPACING,
-            )
-            self._zones[key] = zone and Zone(
-                own.path.origin + zone.own_from,
-                own.path.origin + zone.own_to,
-                other.path.origin + zone.other_from,
-                other.path.origin + zone.other_to,
-            )
-        return self._zones[key]
+    def _user(self, path: Path, half_width: float) -> int:
+        key = path, half_width
+        if key not in self._numbers:
+            self._numbers[key] = len(self.users)
+            self.users.append(key)
+            self._junction_of.append(self._junctions.setdefault(path.junction, len(self._junctions)))
+        return self._numbers[key]
+
+    def _zones_of(self, own: Ints, other: Ints) -> Floats:
+        """(k, 4) where the paths of two users cross: from and to along the own, from and to along the other [m]."""
+        keys = own * 2**32 + other
+        place = np.searchsorted(self._keys, keys)
+        known = np.zeros(len(keys), np.bool_)
+        inside = place < len(self._keys)
+        known[inside] = self._keys[place[inside]] == keys[inside]
+        if not known.all():
+            new = np.unique(keys[~known])
+            zones = np.array([self._zone(*divmod(key, 2**32)) for key in new.tolist()])
+            keep = np.argsort(np.concatenate([self._keys, new]))
+            self._keys = np.concatenate([self._keys, new])[keep]
+            self._zones = np.concatenate([self._zones, zones])[keep]
+            place = np.searchsorted(self._keys, keys)
+        result: Floats = self._zones[place]
+        return result
+
+    def _zone(self, own: int, other: int) -> tuple[float, float, float, float]:
+        (path, half), (crossed, other_half) = self.users[own], self.users[other]
+        zone = crossing_zone(
+            *(path.points, path.heading, crossed.points, crossed.heading), width=half + other_half, spacing=_SPACING
+        )
+        if zone is None:
+            return np.nan, np.nan, np.nan, np.nan
+        return (
+            path.origin + zone.own_from,
+            path.origin + zone.own_to,
+            crossed.origin + zone.other_from,
+            crossed.origin + zone.other_to,
+        )
 
     def _path_from(self, vehicle: str, lane: str) -> Path | None:
         """The path on from a lane: through the next junction, or the one that the lane is inside of; None if none."""

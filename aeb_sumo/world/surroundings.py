@@ -3,29 +3,42 @@
 import libsumo
 import numpy as np
 
-from aeb_sumo.soa import Floats, Ints
+from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["demanding", "lateral_position", "leaders", "lost", "overlook", "pending"]
+__all__ = ["Leads", "demanding", "lateral_position", "lost", "overlook", "pending"]
 
+_REACH = 150.0  # m, as far as any sensor sees
 _IGNORE_IDS = "junctionModel.ignoreIDs"
 
 
-def leaders(t: Traffic, slots: Ints, reach: float) -> tuple[Ints, Floats]:
-    """The vehicle ahead of each, as SUMO names it.
+class Leads:
+    """The vehicle ahead of each vehicle, as SUMO names it.
 
-    Returns:
-        (n,) slots, -1 for none within `reach` [m], and (n,) gaps, bumper to bumper [m]. SUMO leaves the ego's minGap
-        out of its answer; here it is back in.
+    Attributes:
+        lead: per slot, slot of the vehicle ahead, -1 for none within 150 m.
+        gap: per slot, bumper to bumper [m], `inf` for none. SUMO leaves the ego's minGap out of its answer; here it is
+            back in. In and before junctions SUMO's gaps are not to be trusted (see `perception.lead.sees_lead`).
     """
-    lead, gap = np.full(len(slots), -1, np.int64), np.full(len(slots), np.inf)
-    get, ids, known = libsumo.vehicle.getLeader, t.ids, t.slot
-    for k, slot in enumerate(slots.tolist()):
-        answer = get(ids[slot], reach)
-        if answer is not None and answer[0] in known:
-            lead[k] = known[answer[0]]
-            gap[k] = answer[1] + t.min_gap[slot]
-    return lead, gap
+
+    def __init__(self, traffic: Traffic) -> None:
+        self._traffic = traffic
+        self.lead: Ints = np.zeros(0, np.int64)
+        self.gap: Floats = np.zeros(0)
+
+    def step(self) -> None:
+        """Ask for all vehicles present."""
+        t = self._traffic
+        self.lead, self.gap = fitted(self.lead, t.capacity), fitted(self.gap, t.capacity)
+        self.lead[:], self.gap[:] = -1, np.inf
+        get, ids, known, lead, gap = libsumo.vehicle.getLeader, t.ids, t.slot, self.lead, self.gap
+        for slot in t.present.tolist():
+            answer = get(ids[slot], _REACH)
+            if answer is not None and answer[0] in known:
+                lead[slot] = known[answer[0]]
+                gap[slot] = answer[1]
+        there = lead >= 0
+        gap[there] += t.min_gap[there]
 
 
 def lateral_position(t: Traffic, slots: Ints) -> Floats:
@@ -34,7 +47,7 @@ def lateral_position(t: Traffic, slots: Ints) -> Floats:
     return np.array([get(t.ids[slot]) for slot in slots.tolist()], float)
 
 
-def demanding(t: Traffic, slot: int) -> bool:
+def demanding(t: Traffic, leads: Leads, slot: int) -> bool:
     """Whether the driver has reason to keep his eyes on the road just now.
 
     He has when he brakes (more than 1 m/s2), closes in on the vehicle ahead (TTC below 4 s), follows it at less than
@@ -44,7 +57,7 @@ def demanding(t: Traffic, slot: int) -> bool:
     vehicle = t.ids[slot]
     if t.accel[slot] < -1.0:
         return True
-    lead, gap = (q[0] for q in leaders(t, np.array([slot]), 150.0))
+    lead, gap = leads.lead[slot], leads.gap[slot]
     if lead >= 0:
         closing = t.speed[slot] - t.speed[lead]
         if gap < closing * 4.0 or gap < t.speed[slot] * 0.5:

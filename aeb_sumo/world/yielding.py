@@ -4,7 +4,7 @@ import numpy as np
 
 from aeb_sumo.drivers.errors import FailureToYield
 from aeb_sumo.world.observe import Traffic, VClasses
-from aeb_sumo.world.paths import Turn
+from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.surroundings import overlook
 
 __all__ = ["Yielding"]
@@ -21,8 +21,9 @@ class Yielding:
         overlooked: (driver, rider) pairs in which the driver does not see the rider.
     """
 
-    def __init__(self, traffic: Traffic, error: FailureToYield | None, seed: int) -> None:
+    def __init__(self, traffic: Traffic, paths: Paths, error: FailureToYield | None, seed: int) -> None:
         self._traffic = traffic
+        self._paths = paths
         self._error = error
         self._seed = seed
         self._fails: dict[tuple[str, str], bool] = {}  # (driver, junction)
@@ -30,7 +31,7 @@ class Yielding:
         self.overlooked: set[tuple[str, str]] = set()
         self._unaware: dict[tuple[str, str], float] = {}  # (rider, driver) -> how long the car has been standing [s]
 
-    def step(self, turns: list[Turn]) -> None:
+    def step(self) -> None:
         """Let new encounters of drivers who fail with oncoming riders begin."""
         if self._error is None:
             return
@@ -38,17 +39,18 @@ class Yielding:
         for _, vehicle in t.left:
             self._blind.pop(vehicle, None)
         riders = t.present[[t.vclass[s] in VClasses.RIDERS for s in t.present.tolist()]]
-        for turn in turns:
-            if turn.path.direction not in _LEFT or t.vclass[turn.slot] not in VClasses.DRIVEN:
+        for ego, user in zip(self._paths.turns.slot.tolist(), self._paths.turns.user.tolist(), strict=True):
+            path = self._paths.users[user][0]
+            if path.direction not in _LEFT or t.vclass[ego] not in VClasses.DRIVEN:
                 continue
-            driver = t.ids[turn.slot]
-            key = driver, turn.path.junction
+            driver = t.ids[ego]
+            key = driver, path.junction
             if key not in self._fails:
                 self._fails[key] = self._error.driver_fails(self._seed, *key)
             if not self._fails[key]:
                 continue
-            near = np.hypot(t.x[riders] - t.x[turn.slot], t.y[riders] - t.y[turn.slot]) < _NEAR
-            oncoming = np.cos(t.heading[riders] - turn.path.heading[0]) < -0.5
+            near = np.hypot(t.x[riders] - t.x[ego], t.y[riders] - t.y[ego]) < _NEAR
+            oncoming = np.cos(t.heading[riders] - path.heading[0]) < -0.5
             for slot in riders[near & oncoming].tolist():
                 rider = t.ids[slot]
                 if (driver, rider) not in self.overlooked:

@@ -62,14 +62,15 @@ def drive():
         while session.time < start + 25:
             traffic.observe()
             traffic.release_slots()
-            near = {traffic.ids[t.slot]: t for t in paths.near_junctions(traffic.present)}
+            paths.step()
+            at = dict(zip(paths.turns.slot.tolist(), paths.turns.at.tolist(), strict=True))
+            pairs = paths.crossings
             for slot in traffic.present.tolist():
                 state = (session.time, traffic.x[slot], traffic.y[slot], traffic.heading[slot], traffic.speed[slot])
                 rows.setdefault(traffic.ids[slot], []).append(state)
-            for v in SPEEDS:
-                pair = near.get(f"car_{v}"), near.get(f"ebike_{v}")
-                if v not in zones and all(pair):
-                    zones[v] = paths.zone(*pair)
+            for ego, other, zone in zip(pairs.ego.tolist(), pairs.other.tolist(), pairs.zone, strict=True):
+                if traffic.ids[ego].startswith("car"):
+                    zones.setdefault(traffic.ids[ego][4:], zone + np.array([at[ego]] * 2 + [at[other]] * 2))
             collided |= {frozenset((c.collider, c.victim)) for c in libsumo.simulation.getCollisions()}
             session.step()
     result = {}
@@ -166,8 +167,9 @@ def test_the_paths_conflict(drive, v):
     _, foes, zones, collided = drive
     assert foes[v] == {0: {f":c_{v}_1_0"}, 1: {f":c_{v}_0_0"}}
     assert frozenset((f"car_{v}", f"ebike_{v}")) in collided
-    assert zones[v].own_from < APPROACH + crossing(v)[0] < zones[v].own_to
-    assert zones[v].other_from < APPROACH < zones[v].other_to
+    own_from, own_to, other_from, other_to = zones[str(v)]
+    assert own_from < APPROACH + crossing(v)[0] < own_to
+    assert other_from < APPROACH < other_to
 
 
 @each_speed
