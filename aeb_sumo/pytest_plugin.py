@@ -80,7 +80,8 @@ class Golden:
 
         Args:
             scenario: what is simulated: a name, the path of a .sumocfg, or a scenario.
-            strategy: the AEB, or its name; None for zhao2025, or what `equip` says. Its parameters are not part of the section's name: they are what is tuned.
+            strategy: the AEB, or its name; None for zhao2025, or what `equip` says. Its parameters are not part of the
+                section's name: they are what is tuned.
             name: of the section; None for scenario, strategy and the numbers and texts among `run_arguments`. Runs
                 of one module that differ otherwise need names.
             tolerance: largest difference of numbers that are no counts, in their own unit. They are kept to three
