@@ -9,28 +9,27 @@ from typing import Any
 import numpy as np
 
 import aeb_sumo
-from aeb_sumo.drivers.errors import FailureToYield, Lapses
 from aeb_sumo.equipment import Equipment, System, equipment
 from aeb_sumo.errors import InputError
 from aeb_sumo.fleet import Fleet, Target
 from aeb_sumo.fleets import Fleets
 from aeb_sumo.ledger.interventions import Action, Interventions
 from aeb_sumo.ledger.traffic import TrafficBook
+from aeb_sumo.motorists import Motorists
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
-from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.strategies.base import Strategy
 from aeb_sumo.trace import Trace
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.network import Network
-from aeb_sumo.world.observe import Traffic, VClasses
+from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
-from aeb_sumo.world.surroundings import Leads, demanding
+from aeb_sumo.world.surroundings import Leads
+from aeb_sumo.world.violations import Violations
 from aeb_sumo.world.wrecks import Crash, Wrecks
-from aeb_sumo.world.yielding import Yielding
 
 __all__ = ["Progress", "run"]
 
@@ -147,8 +146,11 @@ class _Run:
         self._wrecks = Wrecks(self._traffic, network, session.sublane, blockage)
         self._leads = Leads(self._traffic)
         self._paths = Paths(self._traffic, network)
-        self._lapses = Lapses(scenario.errors, self._seed)
-        self._yielding = Yielding(self._traffic, self._paths, scenario.errors.failure_to_yield, self._seed)
+        drivers = scenario.drivers
+        self._motorists = Motorists(self._traffic, self._leads, drivers, self._seed)
+        self._violations = Violations(
+            self._traffic, self._paths, drivers.failure_to_yield, drivers.riders, None, self._seed
+        )
         world = self._traffic, self._leads, self._paths, friction
         self._fleet = Fleets(
             {
@@ -161,7 +163,6 @@ class _Run:
         self._book = TrafficBook(self._traffic, session.begin, interval)
         self._crashes: list[dict[str, Any]] = []
         self._equipped = 0
-        self._excused = np.zeros(0, np.bool_)
 
     def simulate(
         self, duration: float | None, progress: Callable[[Progress], None] | None, stop: Callable[[], bool] | None
@@ -196,8 +197,6 @@ class _Run:
         t, time = self._traffic, self._session.time
         t.observe()
         self._override.verify()
-        self._lapses.fit(t.capacity)
-        self._excused = fitted(self._excused, t.capacity)
         self._comings_and_goings(time)
         for crash in self._wrecks.step(time):
             self._book_crash(crash)
@@ -205,12 +204,13 @@ class _Run:
 
         self._leads.step()
         self._paths.step()
-        erring, erring_accel = self._drivers(time)
-        self._yielding.step()
+        warnings = [(slot, t.ids[target.slot]) for slot, target in self._fleet.active() if target is not None]
+        self._motorists.step(time, warnings, wrecked)
+        self._violations.step(self._motorists.attentive)
         self._fleet.step(time, wrecked)
         self._override.drive(
-            erring=erring,
-            erring_accel=erring_accel,
+            erring=self._motorists.erring,
+            erring_accel=self._motorists.accel,
             aeb=self._fleet.decel,
             wrecked=wrecked,
             wreck_speed=self._wrecks.speed,
@@ -228,7 +228,7 @@ class _Run:
         t = self._traffic
         for slot, vehicle in t.left:
             self._fleet.leave(slot)
-            self._lapses.leave(slot, vehicle)
+            self._motorists.leave(slot, vehicle)
             self._interventions.close(vehicle, "left")
             if vehicle in t.arrived and vehicle not in self._wrecks.removed:
                 self._book.arrive(slot)
@@ -239,28 +239,11 @@ class _Run:
             self._equipped += bool(name)
             self._fleet.depart(slot, name)
             self._book.depart(slot, name)
-            if vclass in VClasses.DRIVEN or self._scenario.errors.robots is not None:
-                self._lapses.depart(slot, vehicle, time)
-
-    def _drivers(self, time: float) -> tuple[Bools, Floats]:
-        """Per slot: the driver errs, and with what acceleration [m/s2].
-
-        A glance that would begin in a demanding moment is left out, from its start to its end; its draw is not.
-        """
-        t = self._traffic
-        self._lapses.advance(time)
-        erring, accel, away = self._lapses.erring()
-        self._excused &= away
-        for slot in self._lapses.looked_away:
-            self._excused[slot] = t.here[slot] and demanding(t, self._leads, slot)
-        return erring & ~self._excused, accel
+            self._motorists.depart(slot, vehicle, time)
 
     def _error(self, slot: int, other: int | None = None) -> str:
-        """The error that a driver makes now, by name; towards another vehicle, if named."""
-        t = self._traffic
-        if other is not None and (t.ids[slot], t.ids[other]) in self._yielding.overlooked:
-            return FailureToYield.name
-        return "" if self._excused[slot] else self._lapses.name(slot)
+        """The error that a road user makes now, by name; towards another, if named."""
+        return self._violations.error(slot, other) or self._motorists.error(slot)
 
     def _book_crash(self, crash: Crash) -> None:
         t, hit = self._traffic, crash.impact
@@ -337,7 +320,7 @@ class _Run:
             "parameters": self._carried.parameters,
             "penetration": self._carried.penetration,
             "seed": self._seed,
-            "errors": self._scenario.errors.names(),
+            "drivers": self._scenario.drivers.name,
             "step_length_s": session.dt,
             "begin_s": session.begin,
             "end_s": session.time,

@@ -62,7 +62,7 @@ _RUNS = _table(
     ),
     ("penetration", "float64", "-", "share of cars equipped, 0 to 1; null where it depends on their kind"),
     ("seed", "int64", "-", "seed of SUMO and of all drivers"),
-    ("errors", "string", "-", "errors the drivers make, joined by +; `attentive` for none"),
+    ("drivers", "string", "-", "driver profile, by name or file"),
     ("step_length_s", "float64", "s", "step of the simulation"),
     ("begin_s", "float64", "s", "simulated time at the start"),
     ("end_s", "float64", "s", "simulated time reached"),
