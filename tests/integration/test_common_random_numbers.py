@@ -6,6 +6,8 @@ from aeb_sumo import scenarios
 from aeb_sumo.drivers.encounters import FailureToYield, Riders, Warned
 from aeb_sumo.drivers.lapses import Lapses
 from aeb_sumo.drivers.reactions import Looming
+from aeb_sumo.drivers.streams import stream
+from aeb_sumo.equipment import Equipment
 from aeb_sumo.simulate import run
 
 
@@ -42,18 +44,48 @@ def _logged(function, name, log):
 @pytest.mark.parametrize(("name", "duration"), [("highway", 120), ("w0", 200)])
 def test_no_draw_moves(name, duration, drawn):
     seen = {}
-    for strategy, penetration in (("none", 1.0), ("zhao2025", 0.4), ("zhao2025", 1.0)):
+    for equip in (Equipment(), "zhao2025=1", "zhao2025/radar=0.3,yan2025=0.3,truck:staged=0.5"):
         drawn.clear()
-        run(scenarios.load(name), strategy, penetration=penetration, duration=duration)
-        seen[strategy, penetration] = {what: list(draws) for what, draws in drawn.items()}
-    baseline = seen["none", 1.0]
+        run(scenarios.load(name), equip=equip, duration=duration)
+        seen[equip] = {what: list(draws) for what, draws in drawn.items()}
+    baseline = seen.pop(Equipment())
     assert sum(map(len, baseline.values())) > 10
     for other in seen.values():
-        common = baseline.keys() & other.keys()
-        assert len(common) > 0.5 * len(baseline)
-        for what in common:
-            n = min(len(baseline[what]), len(other[what]))
-            assert baseline[what][:n] == other[what][:n]
+        assert_no_draw_moved(baseline, other)
+
+
+def assert_no_draw_moved(one, two):
+    common = one.keys() & two.keys()
+    assert len(common) > 0.5 * len(one)
+    for what in common:
+        n = min(len(one[what]), len(two[what]))
+        assert one[what][:n] == two[what][:n]
+
+
+def test_one_more_equipped_vehicle_changes_nobody_elses_draws_and_systems(drawn, monkeypatch):
+    """The shares differ by so little that one vehicle is between them; it brakes, so the traffic is another."""
+    carried: dict[str, str] = {}
+    following = Equipment.of
+
+    def log_system(self, vehicle, **kind):
+        system = following(self, vehicle, **kind)
+        carried[vehicle] = system.name if system else ""
+        return system
+
+    monkeypatch.setattr(Equipment, "of", log_system)
+    one, edge = "main_car.43", stream(1, "equip", "main_car.43").random() - 0.1
+    results, draws, systems = [], [], []
+    for share in (edge - 1e-6, edge + 1e-6):
+        drawn.clear()
+        carried.clear()
+        results.append(run(scenarios.load("highway"), equip=f"zhao2025=0.1,zheng2020={share}", duration=75))
+        draws.append({vehicle: list(d) for vehicle, d in drawn.items()})
+        systems.append(dict(carried))
+    assert {v: s for v, s in systems[1].items() if systems[0][v] != s} == {one: "zheng2020"}
+    assert results[1].runs["equipped"].item() - results[0].runs["equipped"].item() == 1
+    assert results[1].interventions.query("vehicle == @one")["brake_s"].notna().any()
+    assert not results[0].traffic["speed_mps"].equals(results[1].traffic["speed_mps"])
+    assert_no_draw_moved(*draws)
 
 
 def test_reactions_to_the_same_vehicle_are_the_same_draws(monkeypatch):
