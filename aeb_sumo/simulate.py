@@ -22,7 +22,7 @@ from aeb_sumo.perception.suites import Suite
 from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.strategies.base import Strategy
-from aeb_sumo.trace import Trace
+from aeb_sumo.trace import Recorder, World
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
@@ -61,7 +61,7 @@ def run(
     interval: float = 60.0,
     sensing: str | Suite | None = None,
     equip: str | Equipment | None = None,
-    trace: Trace | None = None,
+    trace: Recorder | None = None,
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
     stop: Callable[[], bool] | None = None,
@@ -82,7 +82,7 @@ def run(
         sensing: what the equipped vehicles see with, a suite or its name; None for the strategy's own.
         equip: instead of these three, several systems in one run, or shares by kind of vehicle: an `Equipment` or its
             text, such as `zhao2025=0.3,yan2025=0.2` or `passenger:zhao2025=0.5,truck:zhao2025/radar=0.2`.
-        trace: records vehicles step by step.
+        trace: looks on, for example an `aeb_sumo.trace.Trace`.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
         stop: asked after every step; True ends the run, whose tables are then marked as interrupted.
@@ -136,7 +136,7 @@ class _Run:
         carried: Equipment,
         blockage: float,
         interval: float,
-        trace: Trace | None,
+        trace: Recorder | None,
     ) -> None:
         self._session, self._scenario, self._carried = session, scenario, carried
         self._blockage = blockage
@@ -160,7 +160,9 @@ class _Run:
                 for s in carried.systems or (System.of("none"),)
             }
         )
-        self._trace = trace and trace.of(self._traffic, self._fleet, friction)
+        self._trace = trace
+        if trace is not None:
+            trace.attend(World(self._traffic, self._leads, friction, self._motorists, self._fleet))
         self._interventions = Interventions()
         self._conflicts = Conflicts(self._traffic, self._error)
         self._book = TrafficBook(self._traffic, session.begin, interval)
