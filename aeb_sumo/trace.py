@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from aeb_sumo.fleet import Fleet
+from aeb_sumo.fleets import Fleets
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.observe import Traffic
 
@@ -27,10 +27,10 @@ class Trace:
         self._rows: list[dict[str, Any]] = []
         self.latest: dict[str, dict[str, Any]] = {}
         self._traffic: Traffic
-        self._fleet: Fleet
+        self._fleet: Fleets
         self._friction: Friction
 
-    def of(self, traffic: Traffic, fleet: Fleet, friction: Friction) -> "Trace":
+    def of(self, traffic: Traffic, fleet: Fleets, friction: Friction) -> "Trace":
         """Record from this world on."""
         self._traffic, self._fleet, self._friction = traffic, fleet, friction
         self._rows, self.latest = [], {}
@@ -41,9 +41,7 @@ class Trace:
         t, fleet = self._traffic, self._fleet
         wanted = [t.slot[v] for v in self._vehicles if v in t.slot] if self._vehicles else t.present.tolist()
         slots = np.array([s for s in wanted if t.here[s]], np.int64)
-        mu, target = self._friction.at(slots), fleet.targets(slots)
-        known, equipped = np.full(len(slots), np.nan), fleet.equipped[slots]
-        known[equipped] = fleet.grip.known(slots[equipped])
+        mu, known, target = self._friction.at(slots), fleet.friction_known(slots), fleet.targets(slots)
         self.latest = {}
         for k, slot in enumerate(slots.tolist()):
             aimed = int(target.slot[k])

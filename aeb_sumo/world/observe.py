@@ -19,6 +19,11 @@ class VClasses:
     """Of these, heavy ones."""
     RIDERS = frozenset({"bicycle", "moped", "scooter", "motorcycle"})
     """Two-wheelers."""
+    ALL = DRIVEN | RIDERS | {
+        "tram", "rail_urban", "rail", "rail_electric", "rail_fast", "ship", "container", "cable_car", "subway",
+        "aircraft", "wheelchair", "drone", "pedestrian",
+    }  # fmt: skip
+    """All that SUMO knows."""
 
 
 # Masses by class [kg]: car and e-bike from another source (evidence.md, assumption there); the rest our assumption.

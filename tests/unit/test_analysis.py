@@ -20,11 +20,18 @@ def data():
         crash = one | {"kind": "rear_end", "impact_speed_mps": 5.0}
         crashes += [crash | {"secondary": k > 0} for k in range(count)]
         exposure.append(one | {"vclass": "passenger", "equipped": strategy != "none", "vehicles": 10})
+        exposure[-1]["strategy"] = strategy.replace("none", "")
         exposure[-1] |= {"distance_m": 1e6, "time_s": 1e5}
         half = one | {"vclass": "passenger", "arrived": 50, "pending": 2}
         half |= {"distance_m": 5e5, "time_s": 5e4, "delay_s": 1e3}
         traffic += [half | {"begin_s": 900.0 * k, "end_s": 900.0 * (k + 1)} for k in (0, 1)]
-    action = {"run_id": "zhao2025-0", "target_kind": "lead", "max_decel_mps2": 6.0, "speed_reduction_mps": 10.0}
+    action = {
+        "run_id": "zhao2025-0",
+        "strategy": "zhao2025",
+        "target_kind": "lead",
+        "max_decel_mps2": 6.0,
+        "speed_reduction_mps": 10.0,
+    }
     interventions = [
         action | {"phase": "partial_brake", "trigger_ttc_s": 1.0},
         action | {"phase": "partial_brake", "trigger_ttc_s": np.inf},
@@ -58,7 +65,7 @@ def test_crash_counts_and_rates(data):
 
 def test_interventions(data):
     assert analysis.intervention_counts(data)["zhao2025"].to_dict() == {"partial_brake": 2, "warn": 1}
-    row = analysis.intervention_statistics(data).loc[("zhao2025", "partial_brake", "lead")]
+    row = analysis.intervention_statistics(data).loc[("zhao2025", "zhao2025", "partial_brake", "lead")]
     assert row["per_1000_km"] == pytest.approx(1.0)
     assert row["trigger_ttc_s_mean"] == 1.0, "an infinite TTC does not count"
 
