@@ -13,7 +13,9 @@ from aeb_sumo.equipment import Equipment, System, equipment
 from aeb_sumo.errors import InputError
 from aeb_sumo.fleet import Fleet, Target
 from aeb_sumo.fleets import Fleets
+from aeb_sumo.ledger.conflicts import Conflicts
 from aeb_sumo.ledger.interventions import Action, Interventions
+from aeb_sumo.ledger.severity import risks
 from aeb_sumo.ledger.traffic import TrafficBook
 from aeb_sumo.motorists import Motorists
 from aeb_sumo.perception.suites import Suite
@@ -86,7 +88,7 @@ def run(
         stop: asked after every step; True ends the run, whose tables are then marked as interrupted.
 
     Returns:
-        The five tables of `aeb_sumo.results.TABLES`, one run.
+        The tables of `aeb_sumo.results.TABLES`, one run.
 
     Raises:
         InputError: an argument is out of range, a strategy, suite or kind of vehicle is unknown, or SUMO refuses the
@@ -160,6 +162,7 @@ class _Run:
         )
         self._trace = trace and trace.of(self._traffic, self._fleet, friction)
         self._interventions = Interventions()
+        self._conflicts = Conflicts(self._traffic, self._error)
         self._book = TrafficBook(self._traffic, session.begin, interval)
         self._crashes: list[dict[str, Any]] = []
         self._equipped = 0
@@ -220,6 +223,7 @@ class _Run:
         if self._trace is not None:
             self._trace.step(time)
         self._interventions.expire(time)
+        self._conflicts.step(time, self._leads, self._paths.crossings, wrecked, self._fleet.equipped)
         self._book.step(time, wrecked)
         self._wrecks.clear(time)
         t.release_slots()
@@ -276,7 +280,9 @@ class _Run:
                 "struck_error": self._error(hit.struck, hit.striker),
                 "striker_aeb_phase": int(self._fleet.demand.phase[hit.striker]),
             }
+            | risks(hit, crash.kind, t.vclass)
         )
+        self._conflicts.crash(hit.striker, hit.struck)
         self._interventions.close(crash.striker, "crash", hit.striker_speed)
         self._interventions.close(crash.struck, "crash", hit.struck_speed)
 
@@ -307,6 +313,7 @@ class _Run:
     def _results(self, outcome: str, reason: str) -> Results:
         session, wrecks, audit = self._session, self._wrecks, self._override.audit
         self._interventions.close_all()
+        self._conflicts.close_all()
         self._book.close_interval(session.time)
         pairs = {tuple(sorted((row["striker"], row["struck"]))) for row in self._crashes}
         for row in self._crashes:
@@ -345,8 +352,9 @@ class _Run:
         tables = {
             "runs": [runs],
             "crashes": self._crashes,
-            "interventions": self._interventions.rows,
             "exposure": self._book.exposure(),
             "traffic": self._book.rows,
         }
-        return Results.of({k: [{"run_id": run_id, **row} for row in rows] for k, rows in tables.items()})
+        of_run = {name: [{"run_id": run_id, **row} for row in rows] for name, rows in tables.items()}
+        packed = {"interventions": self._interventions.rows, "conflicts": self._conflicts.rows}
+        return Results.of(of_run | {name: rows.of_run(run_id) for name, rows in packed.items()})

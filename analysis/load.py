@@ -15,15 +15,16 @@ _SETTINGS = ("scenario", "penetration", "sensing", "parameters", "drivers", "ste
 
 @dataclass(frozen=True)
 class Dataset:
-    """The five tables of one or more runs; columns, units and meanings as in `aeb_sumo.results.TABLES`.
+    """The tables of one or more runs; columns, units and meanings as in `aeb_sumo.results.TABLES`.
 
     Attributes:
-        runs, crashes, interventions, exposure, traffic: DataFrames.
+        runs, crashes, interventions, conflicts, exposure, traffic: DataFrames.
     """
 
     runs: pd.DataFrame
     crashes: pd.DataFrame
     interventions: pd.DataFrame
+    conflicts: pd.DataFrame
     exposure: pd.DataFrame
     traffic: pd.DataFrame
 
