@@ -1,7 +1,7 @@
 """Who has which AEB: shares of the vehicles, by kind, that carry a system and its sensors."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import fsum, nan
@@ -135,13 +135,9 @@ class Equipment:
         Raises:
             InputError: the text cannot be read, a system, suite or parameter is unknown, or a share is out of range.
         """
-        own = _by_strategy(parameters or {})
-        result = cls(tuple(_share(part.strip(), own) for part in text.split(",")))
-        known = sorted({s.system.strategy.name for s in result.shares})
-        for name in own:
-            if name not in known:
-                raise InputError(f"a parameter of {name!r}, which nobody has; the systems are: {', '.join(known)}")
-        return result
+        entries = [_entry(part.strip()) for part in text.split(",")]
+        own = _by_strategy(parameters or {}, sorted({entry.strategy for entry in entries}))
+        return cls(tuple(e.share(strategies.load(e.strategy, own.get(e.strategy))) for e in entries))
 
     @property
     def systems(self) -> tuple[System, ...]:
@@ -258,7 +254,20 @@ def equipment(
     return Equipment.parse(equip) if isinstance(equip, str) else equip
 
 
-def _share(text: str, parameters: Mapping[str, Mapping[str, Any]]) -> Share:
+@dataclass(frozen=True, kw_only=True)
+class _Entry:
+    """One `[KIND:]SYSTEM[/SUITE]=SHARE`, as it is written."""
+
+    kind: str
+    strategy: str
+    sensing: str
+    number: float
+
+    def share(self, strategy: Strategy) -> Share:
+        return Share(kind=self.kind, system=System.of(strategy, self.sensing or None), share=self.number)
+
+
+def _entry(text: str) -> _Entry:
     left, _, value = text.rpartition("=")
     kind, colon, system = left.rpartition(":")
     name, slash, sensing = (part.strip() for part in system.partition("/"))
@@ -266,18 +275,17 @@ def _share(text: str, parameters: Mapping[str, Mapping[str, Any]]) -> Share:
     if not name or not value or bool(colon) != bool(kind) or bool(slash) != bool(sensing):
         raise InputError(f"cannot read {text!r} in the equipment; write {_FORM}")
     try:
-        share = float(value)
+        return _Entry(kind=kind, strategy=name, sensing=sensing, number=float(value))
     except ValueError:
         raise InputError(f"the share of {left.strip()} must lie within 0..1, not {value!r}") from None
-    return Share(kind=kind, system=System.of(strategies.load(name, parameters.get(name)), sensing or None), share=share)
 
 
-def _by_strategy(parameters: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def _by_strategy(parameters: Mapping[str, Any], names: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Parameters of each strategy, from `zhao2025.comfort_decel` -> value or from nested mappings."""
     result: dict[str, dict[str, Any]] = {}
     for path, value in parameters.items():
         name, _, rest = path.partition(".")
-        if not rest and not isinstance(value, Mapping):
-            raise InputError(f"parameter {path!r} of which system? Write SYSTEM.{path}, for example zhao2025.{path}")
+        if name not in names or not (rest or isinstance(value, Mapping)):
+            raise InputError(f"parameter {path!r} of which system? Write SYSTEM.PARAMETER; here: {', '.join(names)}")
         result.setdefault(name, {}).update({rest: value} if rest else value)
     return result

@@ -63,7 +63,7 @@ def assert_no_draw_moved(one, two):
 
 
 def test_one_more_equipped_vehicle_changes_nobody_elses_draws_and_systems(drawn, monkeypatch):
-    """The shares differ by so little that one vehicle is between them; it brakes, so the traffic is another."""
+    """The shares differ by so little that one vehicle is between them, and that one's AEB acts."""
     carried: dict[str, str] = {}
     following = Equipment.of
 
@@ -72,20 +72,24 @@ def test_one_more_equipped_vehicle_changes_nobody_elses_draws_and_systems(drawn,
         carried[vehicle] = system.name if system else ""
         return system
 
-    monkeypatch.setattr(Equipment, "of", log_system)
-    one, edge = "main_car.43", stream(1, "equip", "main_car.43").random() - 0.1
-    results, draws, systems = [], [], []
-    for share in (edge - 1e-6, edge + 1e-6):
+    def ran(share, duration, **watch):
         drawn.clear()
         carried.clear()
-        results.append(run(scenarios.load("highway"), equip=f"zhao2025=0.1,zheng2020={share}", duration=75))
-        draws.append({vehicle: list(d) for vehicle, d in drawn.items()})
-        systems.append(dict(carried))
-    assert {v: s for v, s in systems[1].items() if systems[0][v] != s} == {one: "zheng2020"}
-    assert results[1].runs["equipped"].item() - results[0].runs["equipped"].item() == 1
-    assert results[1].interventions.query("vehicle == @one")["brake_s"].notna().any()
-    assert not results[0].traffic["speed_mps"].equals(results[1].traffic["speed_mps"])
-    assert_no_draw_moved(*draws)
+        equip = f"lin2021=0.1,zheng2020={share}"
+        result = run(scenarios.load("highway"), equip=equip, duration=duration, seed=1, **watch)
+        return result, {key: list(d) for key, d in drawn.items()}, dict(carried)
+
+    monkeypatch.setattr(Equipment, "of", log_system)
+    ended = [0]
+    everyone, _, _ = ran(0.9, 300, progress=lambda p: ended.append(p.interventions), stop=lambda: ended[-1] > 0)
+    first = everyone.interventions.query("strategy == 'zheng2020'").sort_values("begin_s").iloc[0]
+    share = stream(1, "equip", first["vehicle"]).random() - 0.1
+    span = everyone.runs["end_s"].item() + 5
+    (without, draws, systems), (with_it, other_draws, other_systems) = ran(share - 1e-6, span), ran(share + 1e-6, span)
+    changed = {v: s for v, s in other_systems.items() if systems.get(v, s) != s}
+    assert changed == {first["vehicle"]: "zheng2020"}
+    assert first["vehicle"] in set(with_it.interventions["vehicle"]) - set(without.interventions["vehicle"])
+    assert_no_draw_moved(draws, other_draws)
 
 
 def test_reactions_to_the_same_vehicle_are_the_same_draws(monkeypatch):

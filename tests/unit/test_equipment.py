@@ -137,3 +137,9 @@ def test_equip_excludes_the_arguments_it_replaces():
     for given in ({"strategy": "zhao2025"}, {"sensing": "radar"}, {"penetration": 1.0}):
         with pytest.raises(InputError, match="excludes " + next(iter(given))):
             equipment(**given, equip="zhao2025=1")
+
+
+@pytest.mark.parametrize("parameters", [{"brake.lag": 0.1}, {"lin2021.x": 1}, {"zhao2025": 3}, {"comfort_decel": 5}])
+def test_a_parameter_names_its_system(parameters):
+    with pytest.raises(InputError, match=f"'{next(iter(parameters))}'.*here: zhao2025$"):
+        Equipment.parse("zhao2025=1", parameters)
