@@ -23,12 +23,14 @@ from aeb_sumo.scenarios import Scenario
 from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.strategies.base import Strategy
 from aeb_sumo.trace import Trace
+from aeb_sumo.world.buildings import walls
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
+from aeb_sumo.world.sightlines import Sightlines
 from aeb_sumo.world.surroundings import Leads, demanding
 from aeb_sumo.world.wrecks import Crash, Wrecks
 from aeb_sumo.world.yielding import Yielding
@@ -150,7 +152,15 @@ class _Run:
         self._lapses = Lapses(scenario.errors, self._seed)
         self._yielding = Yielding(self._traffic, self._paths, scenario.errors.failure_to_yield, self._seed)
         self._fleet = Fleet(
-            self._traffic, self._leads, self._paths, friction, strategy, eyes, sublane=session.sublane, seed=self._seed
+            self._traffic,
+            self._leads,
+            self._paths,
+            Sightlines(self._traffic, walls()),
+            friction,
+            strategy,
+            eyes,
+            sublane=session.sublane,
+            seed=self._seed,
         )
         self._sensing = eyes.name
         self._trace = trace and trace.of(self._traffic, self._fleet, friction)

@@ -34,6 +34,13 @@ class Gaze(Enum):
     """Who is, or will be, in the way on the own planned path: the lead, or crossing traffic, the nearest of them."""
     RELATIVE_MOTION = "relative motion"
     """Who will pass closest ahead if both go on in a straight line: no knowledge of anybody's path."""
+    LEAD = "lead"
+    """Who is ahead on the own path and goes the same way: a car-following system, blind to crossing traffic."""
+
+    @property
+    def sees_crossing(self) -> bool:
+        """Whether crossing traffic can be a target."""
+        return self is not Gaze.LEAD
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,8 @@ class VClasses:
     """Motor vehicles with a driver who can look away."""
     RIDERS = frozenset({"bicycle", "moped", "scooter", "motorcycle"})
     """Two-wheelers."""
+    VULNERABLE = RIDERS | {"pedestrian"}
+    """Nobody around them: two-wheelers and pedestrians."""
 
 
 # Masses by class [kg]: car and e-bike from another source (evidence.md, assumption there); the rest our assumption.
@@ -28,7 +30,7 @@ _CAR_MASS = 1500.0
 
 
 _MOTION = ("x", "y", "heading", "speed")
-_OTHER = ("accel", "length", "width", "min_gap", "mass", "serial", "here", "fresh")
+_OTHER = ("accel", "length", "width", "min_gap", "mass", "serial", "vulnerable", "here", "fresh")
 _ARRAYS = (*_MOTION, *("old_" + name for name in _MOTION), *_OTHER)
 
 
@@ -50,6 +52,7 @@ class Traffic:
         old_x ... old_speed: the same a step earlier.
         length, width, min_gap, mass: [m], [m], [m], [kg].
         serial: running number of the vehicle, from 1, which tells it from others that had its slot.
+        vulnerable: a two-wheeler or a pedestrian.
         here: on the network now.
         fresh: no earlier state (just inserted, or back from a teleport): old equals new.
         teleports: how often a vehicle has been taken off the road to be put back elsewhere.
@@ -74,6 +77,7 @@ class Traffic:
         self.min_gap: Floats = none
         self.mass: Floats = none
         self.serial: Floats = none
+        self.vulnerable: Bools = np.zeros(0, np.bool_)
         self.here: Bools = np.zeros(0, np.bool_)
         self.fresh: Bools = np.zeros(0, np.bool_)
         self.ids: list[str] = []
@@ -172,6 +176,7 @@ class Traffic:
         self.length[slot], self.width[slot] = get.getLength(vehicle), get.getWidth(vehicle)
         self.min_gap[slot] = get.getMinGap(vehicle)
         self.mass[slot] = _MASS.get(self.vclass[slot], _CAR_MASS)
+        self.vulnerable[slot] = self.vclass[slot] in VClasses.VULNERABLE
         self.departed.append(slot)
         self.inserted += 1
         self.serial[slot] = self.inserted
