@@ -1,13 +1,13 @@
 """Who an equipped vehicle may have to react to: pairs of it and another, from leads and from paths that cross."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from aeb_sumo.perception.lead import sees_lead
 from aeb_sumo.perception.sensor import covered
 from aeb_sumo.perception.suites import Suite
-from aeb_sumo.soa import Bools, Floats, Ints
+from aeb_sumo.soa import Bools, Floats, Ints, joined
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
@@ -38,10 +38,6 @@ class Pairs:
     candidate: Bools
     zone: Floats
 
-    def __add__(self, more: "Pairs") -> "Pairs":
-        """Both, one after the other."""
-        return Pairs(*(np.concatenate([getattr(self, f.name), getattr(more, f.name)]) for f in fields(self)))
-
 
 class Candidates:
     """Finds the pairs of a step.
@@ -66,15 +62,15 @@ class Candidates:
         """All pairs of the vehicles in these slots."""
         ego = egos[self._leads.lead[egos] >= 0]
         pairs = self._ahead(ego, self._leads.lead[ego], self._leads.gap[ego])
-        return pairs + self._crossing(*self._at_junctions(egos)) if self._gaze.sees_crossing else pairs
+        return joined(pairs, self._crossing(*self._at_junctions(egos))) if self._gaze.sees_crossing else pairs
 
     def again(self, ego: Ints, other: Ints, crossing: Bools) -> Pairs:
         """Pairs that are not candidates any more, as the sensors see them now."""
         ahead, aside = ~crossing, crossing
         lead, t = other[ahead], self._traffic
         straight = np.hypot(t.back_x[lead] - t.x[ego[ahead]], t.back_y[lead] - t.y[ego[ahead]])
-        pairs = self._ahead(ego[ahead], lead, straight)
-        pairs += self._crossing(ego[aside], other[aside], np.full((np.count_nonzero(aside), 4), np.nan))
+        nowhere = np.full((np.count_nonzero(aside), 4), np.nan)
+        pairs = joined(self._ahead(ego[ahead], lead, straight), self._crossing(ego[aside], other[aside], nowhere))
         pairs.candidate[:] = False
         return pairs
 

@@ -11,7 +11,7 @@ from aeb_sumo.perception.noise import Keys
 from aeb_sumo.perception.sensor import overlap
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_step
-from aeb_sumo.soa import Bools, Floats, Ints, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, joined, put, take
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import lateral_position
@@ -136,7 +136,7 @@ class Lookout:
         gone[at[known]] = False
         if gone.any():
             late = self._still_there(np.flatnonzero(gone), rows)
-            pairs += self._candidates.again(last.ego[late], last.other[late], last.crossing[late])
+            pairs = joined(pairs, self._candidates.again(last.ego[late], last.other[late], last.crossing[late]))
             serials, at = np.append(serials, self._serials[late]), np.append(at, late)
             known = np.append(known, np.ones(len(late), np.bool_))
         tracks = track_init(self._suite, self._keys(pairs, ~known), self._traffic.dt)

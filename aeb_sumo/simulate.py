@@ -10,17 +10,18 @@ import numpy as np
 
 import aeb_sumo
 from aeb_sumo import strategies
-from aeb_sumo.drivers.errors import FailureToYield, Lapses
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.errors import InputError
 from aeb_sumo.fleet import Fleet, Target
+from aeb_sumo.ledger.conflicts import Conflicts
 from aeb_sumo.ledger.interventions import Action, Interventions
+from aeb_sumo.ledger.severity import risks
 from aeb_sumo.ledger.traffic import TrafficBook
+from aeb_sumo.motorists import Motorists
 from aeb_sumo.parameters import differences
 from aeb_sumo.perception.suites import Suite, suite
 from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
-from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.strategies.base import Strategy
 from aeb_sumo.trace import Trace
 from aeb_sumo.world.buildings import walls
@@ -31,9 +32,9 @@ from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
 from aeb_sumo.world.sightlines import Sightlines
-from aeb_sumo.world.surroundings import Leads, demanding
+from aeb_sumo.world.surroundings import Leads
+from aeb_sumo.world.violations import Violations
 from aeb_sumo.world.wrecks import Crash, Wrecks
-from aeb_sumo.world.yielding import Yielding
 
 __all__ = ["Progress", "run"]
 
@@ -86,7 +87,7 @@ def run(
         stop: asked after every step; True ends the run, whose tables are then marked as interrupted.
 
     Returns:
-        The five tables of `aeb_sumo.results.TABLES`, one run.
+        The tables of `aeb_sumo.results.TABLES`, one run.
 
     Raises:
         InputError: an argument is out of range, strategy or suite are unknown, or SUMO refuses the scenario.
@@ -149,13 +150,17 @@ class _Run:
         self._wrecks = Wrecks(self._traffic, network, session.sublane, blockage)
         self._leads = Leads(self._traffic)
         self._paths = Paths(self._traffic, network)
-        self._lapses = Lapses(scenario.errors, self._seed)
-        self._yielding = Yielding(self._traffic, self._paths, scenario.errors.failure_to_yield, self._seed)
+        sightlines = Sightlines(self._traffic, walls())
+        drivers = scenario.drivers
+        self._motorists = Motorists(self._traffic, self._leads, drivers, self._seed)
+        self._violations = Violations(
+            self._traffic, self._paths, drivers.failure_to_yield, drivers.riders, None, self._seed
+        )
         self._fleet = Fleet(
             self._traffic,
             self._leads,
             self._paths,
-            Sightlines(self._traffic, walls()),
+            sightlines,
             friction,
             strategy,
             eyes,
@@ -165,10 +170,10 @@ class _Run:
         self._sensing = eyes.name
         self._trace = trace and trace.of(self._traffic, self._fleet, friction)
         self._interventions = Interventions()
+        self._conflicts = Conflicts(self._traffic, self._error)
         self._book = TrafficBook(self._traffic, session.begin, interval)
         self._crashes: list[dict[str, Any]] = []
         self._equipped = 0
-        self._excused = np.zeros(0, np.bool_)
 
     def simulate(
         self, duration: float | None, progress: Callable[[Progress], None] | None, stop: Callable[[], bool] | None
@@ -203,8 +208,6 @@ class _Run:
         t, time = self._traffic, self._session.time
         t.observe()
         self._override.verify()
-        self._lapses.fit(t.capacity)
-        self._excused = fitted(self._excused, t.capacity)
         self._comings_and_goings(time)
         for crash in self._wrecks.step(time):
             self._book_crash(crash)
@@ -212,12 +215,13 @@ class _Run:
 
         self._leads.step()
         self._paths.step()
-        erring, erring_accel = self._drivers(time)
-        self._yielding.step()
+        warnings = [(slot, t.ids[target.slot]) for slot, target in self._fleet.active() if target is not None]
+        self._motorists.step(time, warnings, wrecked)
+        self._violations.step(self._motorists.attentive)
         self._fleet.step(time, wrecked)
         self._override.drive(
-            erring=erring,
-            erring_accel=erring_accel,
+            erring=self._motorists.erring,
+            erring_accel=self._motorists.accel,
             aeb=self._fleet.decel,
             wrecked=wrecked,
             wreck_speed=self._wrecks.speed,
@@ -227,6 +231,7 @@ class _Run:
         if self._trace is not None:
             self._trace.step(time)
         self._interventions.expire(time)
+        self._conflicts.step(time, self._leads, self._paths.crossings, wrecked, self._fleet.equipped)
         self._book.step(time, wrecked)
         self._wrecks.clear(time)
         t.release_slots()
@@ -235,7 +240,7 @@ class _Run:
         t = self._traffic
         for slot, vehicle in t.left:
             self._fleet.leave(slot)
-            self._lapses.leave(slot, vehicle)
+            self._motorists.leave(slot, vehicle)
             self._interventions.close(vehicle, "left")
             if vehicle in t.arrived and vehicle not in self._wrecks.removed:
                 self._book.arrive(slot)
@@ -249,28 +254,11 @@ class _Run:
             self._equipped += equipped
             self._fleet.depart(slot, equipped=equipped)
             self._book.depart(slot, equipped=equipped)
-            if vclass in VClasses.DRIVEN or self._scenario.errors.robots is not None:
-                self._lapses.depart(slot, vehicle, time)
-
-    def _drivers(self, time: float) -> tuple[Bools, Floats]:
-        """Per slot: the driver errs, and with what acceleration [m/s2].
-
-        A glance that would begin in a demanding moment is left out, from its start to its end; its draw is not.
-        """
-        t = self._traffic
-        self._lapses.advance(time)
-        erring, accel, away = self._lapses.erring()
-        self._excused &= away
-        for slot in self._lapses.looked_away:
-            self._excused[slot] = t.here[slot] and demanding(t, self._leads, slot)
-        return erring & ~self._excused, accel
+            self._motorists.depart(slot, vehicle, time)
 
     def _error(self, slot: int, other: int | None = None) -> str:
-        """The error that a driver makes now, by name; towards another vehicle, if named."""
-        t = self._traffic
-        if other is not None and (t.ids[slot], t.ids[other]) in self._yielding.overlooked:
-            return FailureToYield.name
-        return "" if self._excused[slot] else self._lapses.name(slot)
+        """The error that a road user makes now, by name; towards another, if named."""
+        return self._violations.error(slot, other) or self._motorists.error(slot)
 
     def _book_crash(self, crash: Crash) -> None:
         t, hit = self._traffic, crash.impact
@@ -301,7 +289,9 @@ class _Run:
                 "struck_error": self._error(hit.struck, hit.striker),
                 "striker_aeb_phase": int(self._fleet.demand.phase[hit.striker]),
             }
+            | risks(hit, crash.kind, t.vclass)
         )
+        self._conflicts.crash(hit.striker, hit.struck)
         self._interventions.close(crash.striker, "crash", hit.striker_speed)
         self._interventions.close(crash.struck, "crash", hit.struck_speed)
 
@@ -331,6 +321,7 @@ class _Run:
     def _results(self, outcome: str, reason: str) -> Results:
         session, wrecks, audit = self._session, self._wrecks, self._override.audit
         self._interventions.close_all()
+        self._conflicts.close_all()
         self._book.close_interval(session.time)
         pairs = {tuple(sorted((row["striker"], row["struck"]))) for row in self._crashes}
         for row in self._crashes:
@@ -344,7 +335,7 @@ class _Run:
             "parameters": differences(self._strategy),
             "penetration": float(self._penetration),
             "seed": self._seed,
-            "errors": self._scenario.errors.names(),
+            "drivers": self._scenario.drivers.name,
             "step_length_s": session.dt,
             "begin_s": session.begin,
             "end_s": session.time,
@@ -369,8 +360,9 @@ class _Run:
         tables = {
             "runs": [runs],
             "crashes": self._crashes,
-            "interventions": self._interventions.rows,
             "exposure": self._book.exposure(),
             "traffic": self._book.rows,
         }
-        return Results.of({k: [{"run_id": run_id, **row} for row in rows] for k, rows in tables.items()})
+        of_run = {name: [{"run_id": run_id, **row} for row in rows] for name, rows in tables.items()}
+        packed = {"interventions": self._interventions.rows, "conflicts": self._conflicts.rows}
+        return Results.of(of_run | {name: rows.of_run(run_id) for name, rows in packed.items()})

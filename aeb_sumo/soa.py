@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Bools", "Floats", "Ints", "fitted", "put", "take"]
+__all__ = ["Bools", "Floats", "Ints", "fitted", "joined", "put", "take"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -18,6 +18,11 @@ S = TypeVar("S")
 def take(struct: S, rows: Ints | Bools) -> S:
     """A copy of some rows."""
     return replace(struct, **{f.name: getattr(struct, f.name)[rows] for f in fields(struct)})  # type: ignore[type-var, arg-type]
+
+
+def joined(one: S, two: S) -> S:
+    """The rows of one, then those of the other."""
+    return replace(one, **{f.name: np.concatenate([getattr(one, f.name), getattr(two, f.name)]) for f in fields(one)})  # type: ignore[type-var, arg-type]
 
 
 def put(struct: S, rows: Ints | Bools, values: S) -> None:

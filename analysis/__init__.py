@@ -1,11 +1,12 @@
 """Analysis of aeb-sumo's tables, pandas in and out. Needs no SUMO.
 
 data = analysis.load("results")
-data.crashes                      # one of the five tables, a DataFrame
+data.crashes                      # one of the tables, a DataFrame
 analysis.summary(data)            # everything at a glance, one column per group of runs
 """
 
 from analysis.compare import compare, summary
+from analysis.conflicts import conflict_counts, conflict_statistics, near_crash_ratio
 from analysis.crashes import crash_counts, crash_rates
 from analysis.interventions import intervention_counts, intervention_statistics
 from analysis.load import Dataset, load
@@ -15,11 +16,14 @@ from analysis.throughput import throughput, throughput_impact
 __all__ = [
     "Dataset",
     "compare",
+    "conflict_counts",
+    "conflict_statistics",
     "crash_counts",
     "crash_rates",
     "intervention_counts",
     "intervention_statistics",
     "load",
+    "near_crash_ratio",
     "poisson_rate",
     "summary",
     "throughput",

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from analysis.conflicts import near_crash_ratio
 from analysis.crashes import crash_rates
 from analysis.load import Dataset
 from analysis.throughput import throughput
@@ -17,7 +18,8 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     """All figures of one group of runs: (section, figure, unit) -> value."""
     (rate,) = crash_rates(part).itertuples()
     (flow,) = throughput(part).itertuples()
-    crashes, interventions, runs = part.crashes, part.interventions, part.runs
+    (ratio,) = near_crash_ratio(part).itertuples()
+    crashes, interventions, conflicts, runs = part.crashes, part.interventions, part.conflicts, part.runs
     braking = interventions[interventions["phase"] != "warn"]
     equipped_km = part.exposure.loc[part.exposure["equipped"], "distance_m"].sum() / 1000
     figures: dict[tuple[str, str, str], Any] = {("runs", "runs", ""): len(runs)}
@@ -31,6 +33,17 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     figures["crashes", "  95 % from", "1/10⁶ km"] = rate.low
     figures["crashes", "  95 % to", "1/10⁶ km"] = rate.high
     figures["crashes", "mean impact speed", "km/h"] = crashes["impact_speed_mps"].mean() * 3.6
+    figures["crashes", "expected deaths", "persons"] = _expected(crashes, "death")
+    figures["crashes", "expected seriously injured", "persons"] = _expected(crashes, "serious")
+    figures["conflicts", "conflicts", ""] = len(conflicts)
+    for kind in ("following", "crossing"):
+        figures["conflicts", f"  {kind}", ""] = (conflicts["kind"] == kind).sum()
+    figures["conflicts", "near-crashes", ""] = conflicts["near_crash"].sum()
+    figures["conflicts", "primary rear-end near-crashes per crash", "1"] = ratio.ratio
+    figures["conflicts", "  95 % from", "1"] = ratio.low
+    figures["conflicts", "  95 % to", "1"] = ratio.high
+    figures["conflicts", "median PET", "s"] = conflicts["pet_s"].median()
+    figures["conflicts", "time at a TTC below 1.5 s", "s"] = conflicts["exposed_s"].sum()
     figures["interventions", "interventions", ""] = len(interventions)
     for phase in ("warn", "partial_brake", "full_brake"):
         figures["interventions", f"  {phase.replace('_', ' ')}", ""] = (interventions["phase"] == phase).sum()
@@ -53,10 +66,15 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     return figures
 
 
+def _expected(crashes: pd.DataFrame, what: str) -> float:
+    """Sum of the risks of all persons for whom there is a curve."""
+    return float(crashes[[f"striker_{what}_risk", f"struck_{what}_risk"]].sum().sum())
+
+
 def _side_by_side(groups: Mapping[str, Dataset]) -> pd.DataFrame:
     columns = {name: pd.Series(_figures(part), dtype=float) for name, part in groups.items()}
     # Not every group has every kind of crash: keep the order of sections and figures as they come.
-    order = dict.fromkeys(key for section in ("runs", "crashes", "interventions", "traffic", "checks")
+    order = dict.fromkeys(key for section in ("runs", "crashes", "conflicts", "interventions", "traffic", "checks")
                           for column in columns.values() for key in column.index if key[0] == section
                           and not key[1].startswith("  "))  # fmt: skip
     rows = []

@@ -10,20 +10,21 @@ from aeb_sumo.results import Results, read
 __all__ = ["Dataset", "load"]
 
 
-_SETTINGS = ("scenario", "penetration", "errors", "step_length_s", "mu", "blockage_s")
+_SETTINGS = ("scenario", "penetration", "drivers", "step_length_s", "mu", "blockage_s")
 
 
 @dataclass(frozen=True)
 class Dataset:
-    """The five tables of one or more runs; columns, units and meanings as in `aeb_sumo.results.TABLES`.
+    """The tables of one or more runs; columns, units and meanings as in `aeb_sumo.results.TABLES`.
 
     Attributes:
-        runs, crashes, interventions, exposure, traffic: DataFrames.
+        runs, crashes, interventions, conflicts, exposure, traffic: DataFrames.
     """
 
     runs: pd.DataFrame
     crashes: pd.DataFrame
     interventions: pd.DataFrame
+    conflicts: pd.DataFrame
     exposure: pd.DataFrame
     traffic: pd.DataFrame
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import settings
 
 import sumo_nets
-from aeb_sumo.drivers.errors import Errors, Robots
+from aeb_sumo.drivers.profile import ROBOTS, Profile
 from aeb_sumo.scenarios import Scenario
 
 pytest_plugins = ["pytester"]
@@ -30,7 +30,7 @@ def bologna() -> Path:
 def on_track(tmp_path: Path) -> Callable[..., Scenario]:
     """Makes a scenario on the straight track from vehicles in SUMO's XML, driven by robots unless told otherwise."""
 
-    def make(vehicles: str, errors: Errors | None = None, **changes: object) -> Scenario:
+    def make(vehicles: str, drivers: Profile = ROBOTS, **changes: object) -> Scenario:
         routes = tmp_path / "track.rou.xml"
         routes.write_text(
             '<routes><vType id="car" vClass="passenger" length="4.6" width="1.82" sigma="0" speedDev="0" '
@@ -38,7 +38,7 @@ def on_track(tmp_path: Path) -> Callable[..., Scenario]:
             f'width="1.82" sigma="0" speedDev="0"/><route id="r" edges="track"/>{vehicles}</routes>'
         )
         net = sumo_nets.folder("track") / "track.net.xml"
-        values: dict = {"duration": 30.0, "errors": errors or Errors(robots=Robots())} | changes
+        values: dict = {"duration": 30.0, "drivers": drivers} | changes
         return Scenario(name="test", options=("-n", str(net), "-r", str(routes)), **values)
 
     return make

@@ -19,7 +19,7 @@ from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
 from aeb_sumo.cli.options import system_options
 from aeb_sumo.cli.show import print_summary
-from aeb_sumo.drivers.errors import PROFILES
+from aeb_sumo.drivers import profile
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import Results
 from aeb_sumo.simulate import Progress as Step
@@ -39,7 +39,7 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
 @click.option("--seed", type=click.IntRange(0, 2**31 - 1), help="Of SUMO and of the drivers. [default: the scenario's]")
 @click.option("--duration", type=float, help="Simulated seconds. [default: the scenario's]")
 @click.option("--step-length", type=float, help="Seconds. [default: the scenario's, else 0.1]")
-@click.option("--drivers", help="Errors the drivers make. [default: the scenario's; attentive with --sumocfg]")
+@click.option("--drivers", help="Driver profile, a name or a file.toml. [default: the scenario's; sumo with --sumocfg]")
 @click.option("--blockage", type=float, help="Seconds that crashed vehicles stand. [default: 60]")
 @click.option("--interval", type=float, default=60.0, show_default=True, help="Seconds per row of table traffic.")
 @click.option("--out", help="Folder for the tables. [default: none, only printed]")
@@ -95,9 +95,7 @@ def _scenario(name: str | None, sumocfg: Path | None, drivers: str | None) -> sc
     chosen = scenarios.from_sumocfg(sumocfg) if sumocfg is not None else scenarios.load(str(name))
     if drivers is None:
         return chosen
-    if drivers not in PROFILES:
-        raise InputError(f"unknown --drivers {drivers!r}; there are: {', '.join(PROFILES)}")
-    return replace(chosen, errors=PROFILES[drivers])
+    return replace(chosen, drivers=profile.load(drivers))
 
 
 def _new_folder(name: str) -> Path:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.strategies.base import Phase
 
 __all__ = ["PAUSE", "Action", "Interventions"]
@@ -55,7 +56,7 @@ class _Open:
 class Interventions:
     """Book of interventions; `rows` are those that have ended."""
 
-    rows: list[dict[str, Any]] = field(default_factory=list)
+    rows: Rows = field(default_factory=lambda: Rows("interventions"))
     _open: dict[str, _Open] = field(default_factory=dict)
 
     def act(self, time: float, vehicle: str, vclass: str, action: Action) -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from aeb_sumo.perception.sensor import covered
 from aeb_sumo.soa import Bools, Floats
 
-__all__ = ["sees_lead"]
+__all__ = ["sees_lead", "truly_ahead"]
 
 
 def sees_lead(
@@ -40,6 +40,14 @@ def sees_lead(
     """
     seen, distance = covered(reach, field_of_view, x=x, y=y, heading=heading, target_x=rear_x, target_y=rear_y)
     touching = distance < 2.0  # bumper to bumper the bearing means nothing
+    ahead = truly_ahead(x=x, y=y, heading=heading, gap=gap, rear_x=rear_x, rear_y=rear_y, lead_heading=lead_heading)
+    return (seen | touching) & ahead
+
+
+def truly_ahead(
+    *, x: Floats, y: Floats, heading: Floats, gap: Floats, rear_x: Floats, rear_y: Floats, lead_heading: Floats
+) -> Bools:
+    """Whether a lead that SUMO names goes the same way and is where its gap says; arguments as in `sees_lead`."""
+    distance = np.hypot(rear_x - x, rear_y - y)
     same_way = np.cos(lead_heading - heading) > 0.5
-    agrees = (distance <= gap + 1.5) & (distance >= 0.85 * gap - 1.5)
-    return (seen | touching) & same_way & agrees
+    return same_way & (distance <= gap + 1.5) & (distance >= 0.85 * gap - 1.5)

@@ -11,7 +11,7 @@ import pyarrow as pa
 
 __all__ = ["SCHEMA_VERSION", "TABLES", "Column", "Table"]
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 DType = Literal["string", "int64", "float64", "bool"]
 
@@ -57,7 +57,7 @@ _RUNS = _table(
     ("parameters", "string", "-", "of the AEB system, where they differ from its defaults: `name=value`, by spaces"),
     ("penetration", "float64", "-", "share of cars equipped, 0 to 1"),
     ("seed", "int64", "-", "seed of SUMO and of all drivers"),
-    ("errors", "string", "-", "errors the drivers make, joined by +; `attentive` for none"),
+    ("drivers", "string", "-", "driver profile, by name or file"),
     ("step_length_s", "float64", "s", "step of the simulation"),
     ("begin_s", "float64", "s", "simulated time at the start"),
     ("end_s", "float64", "s", "simulated time reached"),
@@ -102,6 +102,22 @@ _CRASHES = _table(
     ("impact_speed_mps", "float64", "m/s", "magnitude of the relative velocity at contact"),
     ("striker_delta_v_mps", "float64", "m/s", "its change of velocity, by momentum (plastic, central impact)"),
     ("struck_delta_v_mps", "float64", "m/s", "its change of velocity, by momentum (plastic, central impact)"),
+    (
+        "striker_death_risk",
+        "float64",
+        "-",
+        "risk that the person on the striker dies; null where no curve applies: only for e-bike riders, by the speed "
+        "of the passenger car whose front hit them, so for a striker in a head-on crash alone",
+    ),
+    ("struck_death_risk", "float64", "-", "the same for the person on the struck vehicle"),
+    (
+        "striker_serious_risk",
+        "float64",
+        "-",
+        "risk that the person on the striker is injured seriously (MAIS3+) or dies; null where no curve applies: only "
+        "for riders and car drivers whom the front of a passenger car hit, so for a striker in a head-on crash alone",
+    ),
+    ("struck_serious_risk", "float64", "-", "the same for the person on the struck vehicle"),
     ("angle_deg", "float64", "deg", "angle between the headings, 0 to 180"),
     ("striker_error", "string", "-", "error that its driver was making: `glance`, `hard_braking`, `failure_to_yield`"),
     ("struck_error", "string", "-", "error that its driver was making"),
@@ -142,6 +158,59 @@ _INTERVENTIONS = _table(
     ("y_m", "float64", "m", "front bumper at the beginning, in the network's coordinates"),
 )
 
+_CONFLICTS = _table(
+    "conflicts",
+    "One row per encounter of two vehicles that came to matter: one closed in on its lead at a TTC below 4 s, two "
+    "crossed each other's path within 3 s or at a TTC below 1.5 s, or one braked hard for the other. What is largest "
+    "and smallest is so over the steps of the encounter, for crashes until contact.",
+    ("conflict_id", "int64", "-", "number within the run, from 0, in the order of their ends"),
+    ("kind", "string", "-", "`following` the other on the same path, or `crossing` its path"),
+    ("ego", "string", "-", "id of the follower; at crossings of who comes second"),
+    ("other", "string", "-", "id of the other vehicle"),
+    ("ego_vclass", "string", "-", "SUMO's vehicle class"),
+    ("other_vclass", "string", "-", "SUMO's vehicle class"),
+    ("ego_equipped", "bool", "-", "it has an AEB"),
+    ("other_equipped", "bool", "-", "it has an AEB"),
+    ("begin_s", "float64", "s", "first step of it"),
+    ("end_s", "float64", "s", "last step of it"),
+    ("min_ttc_s", "float64", "s", "smallest time to collision; 0 for crashes, inf for never on a collision course"),
+    ("min_ttc2_s", "float64", "s", "smallest second-order time to collision; 0 for crashes, inf for never"),
+    ("max_drac_mps2", "float64", "m/s2", "largest deceleration needed of the ego, at a constant speed of the other"),
+    (
+        "max_required_decel_mps2",
+        "float64",
+        "m/s2",
+        "largest deceleration needed of the ego, at the other's acceleration",
+    ),
+    ("min_gap_m", "float64", "m", "smallest gap; at crossings smallest distance of the bodies; 0 for crashes"),
+    (
+        "pet_s",
+        "float64",
+        "s",
+        "post-encroachment time where the paths cross, interpolated inside the step; negative if both were there at "
+        "once; null for `following`, for crashes, and if the second was not there within 5 s",
+    ),
+    ("exposed_s", "float64", "s", "time at a TTC below 1.5 s"),
+    (
+        "max_decel_mps2",
+        "float64",
+        "m/s2",
+        "largest deceleration of the ego while TTC was below 4 s, by its driver or AEB",
+    ),
+    (
+        "near_crash",
+        "bool",
+        "-",
+        "no contact, but the follower, or either one at crossings, braked by more than 0.5 g at a TTC below 4 s",
+    ),
+    ("crashed", "bool", "-", "ended in contact of the two"),
+    ("secondary", "bool", "-", "one of the two had crashed before"),
+    ("ego_error", "string", "-", "last error that its driver made while TTC fell to its smallest, below 4 s"),
+    ("other_error", "string", "-", "the same of the other's driver"),
+    ("x_m", "float64", "m", "front bumper of the ego at the smallest TTC, in the network's coordinates"),
+    ("y_m", "float64", "m", "front bumper of the ego at the smallest TTC, in the network's coordinates"),
+)
+
 _EXPOSURE = _table(
     "exposure",
     "Distance and time driven, by vehicle class and equipment; wrecks do not count.",
@@ -174,5 +243,5 @@ _TRAFFIC = _table(
     ),
 )
 
-TABLES: dict[str, Table] = {t.name: t for t in (_RUNS, _CRASHES, _INTERVENTIONS, _EXPOSURE, _TRAFFIC)}
+TABLES: dict[str, Table] = {t.name: t for t in (_RUNS, _CRASHES, _INTERVENTIONS, _CONFLICTS, _EXPOSURE, _TRAFFIC)}
 """All tables by name."""

@@ -15,7 +15,7 @@ from aeb_sumo.results.schema import TABLES
 
 __all__ = ["Results", "holds_results", "read", "write"]
 
-Rows = Iterable[Mapping[str, Any]]
+Rows = Iterable[Mapping[str, Any]]  # or an Arrow table, which ships no types
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,9 @@ class Results:
     tables: dict[str, pa.Table]
 
     @classmethod
-    def of(cls, rows: Mapping[str, Rows]) -> "Results":
-        """From rows as mappings; tables without rows have their columns all the same."""
-        return cls(
-            {name: pa.Table.from_pylist(list(rows.get(name, ())), schema=t.arrow()) for name, t in TABLES.items()}
-        )
+    def of(cls, rows: Mapping[str, Rows | pa.Table]) -> "Results":
+        """From rows as mappings or in a table; tables without rows have their columns all the same."""
+        return cls({name: _table(rows.get(name, ()), t.arrow()) for name, t in TABLES.items()})
 
     @classmethod
     def joined(cls, results: Iterable["Results"]) -> "Results":
@@ -51,6 +49,10 @@ class Results:
         if name in TABLES:
             return self.frame(name)
         raise AttributeError(name)
+
+
+def _table(rows: Any, schema: pa.Schema) -> pa.Table:
+    return rows if isinstance(rows, pa.Table) else pa.Table.from_pylist(list(rows), schema=schema)
 
 
 def holds_results(folder: str | Path) -> bool:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 import sumo_nets
-from aeb_sumo.drivers.errors import Errors
+from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.errors import InputError
 from aeb_sumo.world.friction import MU_RANGE, Stretch
 
@@ -17,7 +17,7 @@ class Scenario:
     Attributes:
         name: for the tables.
         options: SUMO options: the inputs, and whatever else the scenario wants.
-        errors: what its drivers do wrong.
+        drivers: what its drivers and riders do wrong.
         mu: friction coefficient of the road; 0.85 dry asphalt, from another source (Zhao et al. 2025, 3.1).
         stretches: pieces of road that have another.
         routes: content of a SUMO route file, for scenarios that bring their vehicles as text; empty for none.
@@ -29,7 +29,7 @@ class Scenario:
 
     name: str
     options: tuple[str, ...]
-    errors: Errors = field(default_factory=Errors)
+    drivers: Profile = field(default_factory=Profile)
     mu: float = 0.85
     stretches: tuple[Stretch, ...] = ()
     routes: str = ""

@@ -5,8 +5,11 @@ one under test is called `ego`, the other `target`. SUMO inserts both at the end
 clock of a case starts.
 """
 
+from dataclasses import replace
+
 import sumo_nets
-from aeb_sumo.drivers.errors import Errors, Lapse, Robots
+from aeb_sumo.drivers.lapses import Lapse, Robots
+from aeb_sumo.drivers.profile import ROBOTS
 from aeb_sumo.errors import InputError
 from aeb_sumo.scenarios.base import Scenario
 from aeb_sumo.units import KMH
@@ -88,7 +91,7 @@ def approach(
     {_vehicle(EGO, "car", "ahead", START, ego, 0.0)}
 </routes>
 """,
-        errors=Errors(robots=Robots(programs=tuple(programs))),
+        drivers=replace(ROBOTS, robots=Robots(programs=tuple(programs))),
         mu=mu,
         stretches=stretches,
         step_length=step_length,
@@ -125,7 +128,7 @@ def left_turn(
     {_vehicle(EGO, "car", "turn", car_at, ego_kmh * KMH, 0.0)}
 </routes>
 """,
-        errors=Errors(robots=Robots()),
+        drivers=ROBOTS,
         mu=mu,
         step_length=step_length,
         duration=_MEET + 3.0,

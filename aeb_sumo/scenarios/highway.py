@@ -1,6 +1,6 @@
 """Highway: three lanes, an on-ramp, a lane drop with a queue; drivers look away, and leads brake hard."""
 
-from aeb_sumo.drivers.errors import Errors, Glances, HardBraking
+from aeb_sumo.drivers import profile
 from aeb_sumo.scenarios.base import Scenario, on_network
 
 __all__ = ["SCENARIO"]
@@ -8,5 +8,5 @@ __all__ = ["SCENARIO"]
 SCENARIO = Scenario(
     name="highway",
     options=on_network("highway"),
-    errors=Errors(glances=Glances(), hard_braking=HardBraking()),
+    drivers=profile.load("highway"),
 )

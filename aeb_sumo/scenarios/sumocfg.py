@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from aeb_sumo.drivers.errors import Errors
+from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.scenarios.base import Scenario
 from aeb_sumo.world.sumocfg import read
 
@@ -11,7 +11,7 @@ __all__ = ["from_sumocfg"]
 _STEP_LENGTH = 0.1  # s, where the configuration does not say
 
 
-def from_sumocfg(path: str | Path, errors: Errors | None = None) -> Scenario:
+def from_sumocfg(path: str | Path, drivers: Profile | None = None) -> Scenario:
     """The scenario of a .sumocfg: its files, its options, its time span, its seed.
 
     What a configuration says stays as it is, but for the options in `aeb_sumo.world.session.IMPOSED`; where it is
@@ -19,7 +19,8 @@ def from_sumocfg(path: str | Path, errors: Errors | None = None) -> Scenario:
 
     Args:
         path: the configuration.
-        errors: what its drivers do wrong; None for nothing that SUMO's own drivers would not.
+        drivers: what its drivers do wrong; None for nothing but that they need time to react to what takes them by
+            surprise.
 
     Raises:
         InputError: the file is missing or is no configuration, or a file that it names is not well-formed.
@@ -28,7 +29,7 @@ def from_sumocfg(path: str | Path, errors: Errors | None = None) -> Scenario:
     return Scenario(
         name=str(path),
         options=("--configuration-file", str(config.path)),
-        errors=errors or Errors(),
+        drivers=drivers or Profile(),
         seed=None,
         step_length=None if "step-length" in config.options else _STEP_LENGTH,
         duration=None,

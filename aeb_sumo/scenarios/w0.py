@@ -1,6 +1,6 @@
 """W0: a signalised two-way intersection with e-bike lanes; some left-turning drivers overlook an oncoming e-bike."""
 
-from aeb_sumo.drivers.errors import Errors, FailureToYield
+from aeb_sumo.drivers import profile
 from aeb_sumo.scenarios.base import Scenario, on_network
 
 __all__ = ["SCENARIO"]
@@ -10,6 +10,6 @@ SCENARIO = Scenario(
     # A wreck in the middle of the junction can lock up everyone around it; SUMO's way out is to teleport, after 300 s
     # by default. 90 s is our assumption: the 60 s that wrecks stand, and a phase of the signal.
     options=(*on_network("w0"), "--time-to-teleport", "90"),
-    errors=Errors(failure_to_yield=FailureToYield()),
+    drivers=profile.load("intersection"),
     duration=1800.0,
 )

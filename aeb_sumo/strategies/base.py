@@ -118,6 +118,11 @@ class Strategy(ABC):
     brake: BrakeParams = field(default_factory=BrakeParams)
 
     @property
+    def sees_crossing(self) -> bool:
+        """Whether crossing traffic can be its target."""
+        return self.gaze.sees_crossing
+
+    @property
     def friction_prior(self) -> float | None:
         """What a vehicle that estimates friction takes it for when it enters; None: the truth of that place."""
         return None

@@ -11,6 +11,9 @@ from aeb_sumo.soa import Floats
 __all__ = ["Link", "Network"]
 
 
+_MINOR = frozenset("m=sw")  # SUMO's letters for links without a signal that are not the major one
+
+
 @dataclass(frozen=True)
 class Link:
     """A connection from a lane.
@@ -19,11 +22,13 @@ class Link:
         to: the lane beyond the junction.
         via: the internal lanes on the way, in order.
         direction: SUMO's letter: `s`traight, `l`eft, `r`ight, `L` and `R` for partial turns, `t` for a turnaround.
+        minor: there is no signal, and others have the right of way.
     """
 
     to: str
     via: tuple[str, ...]
     direction: str
+    minor: bool
 
 
 class Network:
@@ -46,13 +51,13 @@ class Network:
 
     def _links(self, lane: str) -> tuple[Link, ...]:
         result = []
-        for to, _, _, _, first, _, direction, _ in libsumo.lane.getLinks(lane):
+        for to, _, _, _, first, state, direction, _ in libsumo.lane.getLinks(lane):
             via, internal = [], first
             while internal:
                 via.append(internal)
                 onward = libsumo.lane.getLinks(internal)
                 internal = onward[0][4] if onward else ""
-            result.append(Link(to, tuple(via), direction))
+            result.append(Link(to, tuple(via), direction, state in _MINOR))
         return tuple(result)
 
     def _foes(self, lane: str) -> frozenset[str]:

@@ -15,6 +15,8 @@ class VClasses:
     """Cars; "ignoring" is what scenarios give a car that may drive where others may not."""
     DRIVEN = CARS | {"delivery", "truck", "trailer", "bus", "coach", "emergency", "authority", "army"}
     """Motor vehicles with a driver who can look away."""
+    HEAVY = frozenset({"truck", "trailer", "bus", "coach"})
+    """Of these, heavy ones."""
     RIDERS = frozenset({"bicycle", "moped", "scooter", "motorcycle"})
     """Two-wheelers."""
     VULNERABLE = RIDERS | {"pedestrian"}

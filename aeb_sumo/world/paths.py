@@ -14,6 +14,7 @@ __all__ = ["Crossings", "Path", "Paths", "Turns"]
 
 _SPACING = 0.5  # m between the points of a path
 _BEFORE = 60.0  # m before a junction at which a vehicle's path through it begins to matter, our assumption
+_TURNS = frozenset("lLrRt")
 _BEHIND = 2.0  # m behind a junction that a vehicle's tail has to be before it looks to the next one
 
 
@@ -31,6 +32,8 @@ class Path:
         junction: its id.
         crossed: other lanes cross it inside the junction.
         direction: SUMO's letter of the turn.
+        approach: the edge before the junction.
+        gives_way: who goes there has to give way to some: he turns, or comes from a minor road without a signal.
     """
 
     points: Floats
@@ -42,6 +45,8 @@ class Path:
     junction: str
     crossed: bool
     direction: str
+    approach: str
+    gives_way: bool
 
 
 @dataclass(frozen=True)
@@ -233,4 +238,6 @@ class Paths:
             net.junction(lane),
             any(net.foes(each) for each in link.via),
             link.direction,
+            net.edge(lane),
+            link.direction in _TURNS or link.minor,
         )

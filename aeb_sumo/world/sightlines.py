@@ -23,7 +23,7 @@ class Sightlines:
         self._traffic = traffic
         self._walls = Screens.of(walls, np.full(len(walls), NOBODY))
 
-    def visible(self, ego: Ints, other: Ints, *, eye: float = 0.0) -> Bools:
+    def visible(self, ego: Ints, other: Ints, *, setback: float = 0.0) -> Bools:
         """Whether each ego has a free line of sight to its other.
 
         One to the middle, the front or the rear of the other's centre line is enough: who sees either end knows that
@@ -33,14 +33,14 @@ class Sightlines:
         Args:
             ego: (k,) slots of those who look.
             other: (k,) slots of those they look for.
-            eye: how far behind the centre of the front bumper the eye is [m]; 0: a sensor in the bumper.
+            setback: how far behind the centre of the front bumper the eye is [m]; 0: a sensor in the bumper.
         """
         t, unseen = self._traffic, np.arange(len(ego))
         result = np.zeros(len(ego), np.bool_)
         if not len(ego):
             return result
-        eye_x = t.x[ego] - eye * np.cos(t.heading[ego])
-        eye_y = t.y[ego] - eye * np.sin(t.heading[ego])
+        eye_x = t.x[ego] - setback * np.cos(t.heading[ego])
+        eye_y = t.y[ego] - setback * np.sin(t.heading[ego])
         bodies = self._bodies_between(np.append(ego, other))
         for share in _POINTS:
             e, o = ego[unseen], other[unseen]

@@ -3,6 +3,7 @@
 import libsumo
 import numpy as np
 
+from aeb_sumo.drivers.lapses import Glances
 from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 
@@ -47,26 +48,25 @@ def lateral_position(t: Traffic, slots: Ints) -> Floats:
     return np.array([get(t.ids[slot]) for slot in slots.tolist()], float)
 
 
-def demanding(t: Traffic, leads: Leads, slot: int) -> bool:
+def demanding(t: Traffic, leads: Leads, slot: int, calm: Glances) -> bool:
     """Whether the driver has reason to keep his eyes on the road just now.
 
-    He has when he brakes (more than 1 m/s2), closes in on the vehicle ahead (TTC below 4 s), follows it at less than
-    0.5 s, or has to find a gap because his lane leads him on his route for less than 500 m. All our assumptions:
-    drivers choose calm moments to look away.
+    He has when he brakes, closes in on the vehicle ahead, follows it closely, or has to find a gap because his lane
+    soon leads off his route; `calm` says from where on. Drivers choose calm moments to look away.
     """
     vehicle = t.ids[slot]
-    if t.accel[slot] < -1.0:
+    if t.accel[slot] < -calm.calm_decel:
         return True
     lead, gap = leads.lead[slot], leads.gap[slot]
     if lead >= 0:
         closing = t.speed[slot] - t.speed[lead]
-        if gap < closing * 4.0 or gap < t.speed[slot] * 0.5:
+        if gap < closing * calm.calm_ttc or gap < t.speed[slot] * calm.calm_headway:
             return True
     lane = libsumo.vehicle.getLaneID(vehicle)
     if lane.startswith(":"):
         return False
     left = {best[0]: best[1] for best in libsumo.vehicle.getBestLanes(vehicle) if best[3] != 0}
-    return lane in left and bool(left[lane] - libsumo.vehicle.getLanePosition(vehicle) < 500.0)
+    return lane in left and bool(left[lane] - libsumo.vehicle.getLanePosition(vehicle) < calm.calm_lane)
 
 
 def overlook(vehicle: str, others: set[str]) -> None:

@@ -152,7 +152,7 @@ def test_a_scenario_of_the_users_own_runs_untouched(bologna, tmp_path):
     exposure = pd.read_parquet(tmp_path / "out" / "exposure")
     assert runs["step_length_s"] == pytest.approx(0.1)
     assert runs["seed"] == 23423, "SUMO's own default: the configuration does not say"
-    assert runs["errors"] == "attentive"
+    assert runs["drivers"] == "sumo"
     assert runs["override_violations"] == 0
     assert exposure.loc[exposure["vclass"].isin(["passenger", "ignoring"]), "equipped"].all()
     assert not exposure.loc[exposure["vclass"] == "bus", "equipped"].any()

@@ -22,7 +22,7 @@ def test_a_rear_end_crash_is_one_event_with_its_physics(on_track):
 
 def test_wrecks_block_for_their_time_and_leave(on_track):
     vehicles = approach(50, 20, 30) + vehicle("late", 300, 10, kind="attentive")
-    scenario = on_track(vehicles, duration=60.0, errors=None)
+    scenario = on_track(vehicles, duration=60.0)
     blocked = run(scenario, "none", blockage=40.0)
     assert len(blocked.crashes) >= 1
     assert blocked.exposure["vehicles"].sum() == 3
@@ -46,7 +46,8 @@ def test_small_steps_do_not_change_the_truth(on_track):
 @pytest.mark.parametrize("strategy", ["none", "zhao2025"])
 def test_left_turn_across_an_e_bike(strategy, tmp_path):
     """A driver who never looks, and a rider who never reacts: a crash without AEB, none with it."""
-    from aeb_sumo.drivers.errors import Errors, FailureToYield
+    from aeb_sumo.drivers.encounters import FailureToYield
+    from aeb_sumo.drivers.profile import Profile
     from aeb_sumo.scenarios import Scenario
     from sumo_nets import folder
 
@@ -61,7 +62,7 @@ def test_left_turn_across_an_e_bike(strategy, tmp_path):
     scenario = Scenario(
         name="w0",
         options=("-n", str(folder("w0") / "w0.net.xml"), "-r", str(routes)),
-        errors=Errors(failure_to_yield=FailureToYield(probability=1.0, rider_unaware=1.0)),
+        drivers=Profile(failure_to_yield=FailureToYield(probability=1.0, rider_unaware=1.0)),
         duration=30,
     )
     result = run(scenario, strategy)

@@ -4,7 +4,6 @@ import libsumo
 import numpy as np
 import pytest
 
-from aeb_sumo.drivers.errors import Errors, Robots
 from aeb_sumo.simulate import run
 from aeb_sumo.units import G
 from aeb_sumo.world.friction import Friction
@@ -103,7 +102,7 @@ def test_the_vehicle_is_handed_back_as_it_was(on_track):
 
 
 def test_stopped_by_the_aeb_the_car_is_held_then_handed_over(on_track):
-    result = run(on_track(approach(40, 0, 50), errors=Errors(robots=Robots())))
+    result = run(on_track(approach(40, 0, 50)))
     row = result.interventions.iloc[0]
     assert row["ended_by"] == "standstill"
     assert row["speed_reduction_mps"] == pytest.approx(40 / 3.6)

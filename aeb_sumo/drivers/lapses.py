@@ -1,11 +1,10 @@
-"""The error layer: who errs when, and what they do meanwhile.
+"""Lapses: stretches of time in which a driver does not do what he should, whatever the traffic around him does.
 
 What a driver draws is fixed by the seed and his own name, on his own clock from departure; the AEB, other vehicles and
-the state of traffic change no draw. Whether a drawn glance takes place depends on the moment: see
-`aeb_sumo.world.surroundings.demanding`.
+the state of traffic change no draw. Whether a drawn glance takes place depends on the moment: drivers choose calm ones.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from typing import ClassVar
@@ -14,14 +13,15 @@ import numpy as np
 from scipy.stats import norm
 
 from aeb_sumo.drivers.streams import stream
+from aeb_sumo.parameters import check, within
 from aeb_sumo.soa import Bools, Floats, fitted
 
-__all__ = ["PROFILES", "Errors", "FailureToYield", "Glances", "HardBraking", "Lapse", "Lapses", "Robots"]
+__all__ = ["Glances", "HardBraking", "Kind", "Lapse", "Lapses", "Robots"]
 
 
 @dataclass(frozen=True)
 class Lapse:
-    """A stretch of time in which a driver does not do what he should: from `start` to `end` [s] he keeps `accel`."""
+    """A lapse from `start` to `end` [s], in which the driver keeps `accel` [m/s2]; nan: the one he had at its start."""
 
     start: float
     end: float
@@ -30,31 +30,41 @@ class Lapse:
 
 @dataclass(frozen=True, kw_only=True)
 class Glances:
-    """Looking away: speed is held while the eyes are off the road and until the driver has reacted after that.
+    """Looking away: the acceleration is held while the eyes are off the road.
 
     Attributes:
         median: of the log-normal duration of a glance [s]; 0.8 from another source (evidence.md, R: 0.7 to 0.9).
         over_two: share of glances longer than 2 s; 0.05 from another source (evidence.md, R).
         share: share of time with the eyes off the road; 0.18 from another source (evidence.md, R: 0.15 to 0.20).
-        reaction: from the eyes' return to the driver's response [s]; 0.75 from another source (UN R157, V).
+        calm_ttc: nobody looks away while the TTC to the vehicle ahead is below this [s], our assumption.
+        calm_headway: nor while following it at less than this [s], our assumption.
+        calm_decel: nor while braking harder than this [m/s2], our assumption.
+        calm_lane: nor with less than this to go in a lane that leads off the route [m], our assumption.
     """
 
     name: ClassVar[str] = "glance"
-    median: float = 0.8
-    over_two: float = 0.05
-    share: float = 0.18
-    reaction: float = 0.75
+    median: float = within(0.8, 0.05, 20.0)
+    over_two: float = within(0.05, 0.0001, 0.49)
+    share: float = within(0.18, 0.0, 0.9)
+    calm_ttc: float = 4.0
+    calm_headway: float = 0.5
+    calm_decel: float = 1.0
+    calm_lane: float = 500.0
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        check(self)
 
     def lapses(self, draw: np.random.Generator, driver: str) -> Iterator[Lapse]:  # noqa: ARG002
         """One driver's lapses, on his clock from departure."""
-        sigma = np.log(2.0 / self.median) / norm.isf(self.over_two)
+        # For a median of 2 s or more, half of the glances are longer than that whatever is asked for.
+        sigma = max(np.log(2.0 / self.median) / norm.isf(self.over_two), 0.05)
         mean_off = self.median * np.exp(sigma**2 / 2)
-        mean_on = mean_off * (1 - self.share) / self.share
         now = 0.0
-        while True:
-            now += draw.exponential(mean_on)
+        while self.share > 0:
+            now += draw.exponential(mean_off * (1 - self.share) / self.share)
             away = draw.lognormal(np.log(self.median), sigma)
-            yield Lapse(now, now + away + self.reaction, 0.0)
+            yield Lapse(now, now + away, np.nan)
             now += away
 
 
@@ -70,9 +80,13 @@ class HardBraking:
     """
 
     name: ClassVar[str] = "hard_braking"
-    every: float = 300.0
-    decel: float = 6.0
-    duration: float = 2.0
+    every: float = within(300.0, 1.0, np.inf)
+    decel: float = within(6.0, 0.1, 12.0)
+    duration: float = within(2.0, 0.1, 60.0)
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range."""
+        check(self)
 
     def lapses(self, draw: np.random.Generator, driver: str) -> Iterator[Lapse]:  # noqa: ARG002
         """One driver's lapses, on his clock from departure."""
@@ -104,53 +118,7 @@ class Robots:
         yield Lapse(now, np.inf, 0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class FailureToYield:
-    """Turning left without a look for oncoming two-wheelers: one draw per driver and turn.
-
-    Attributes:
-        probability: that a driver does not look, our assumption: far more often than in life, so that a short run has
-            conflicts.
-        rider_unaware: that a rider whom such a driver overlooks relies on the right of way and does not react to the
-            moving car, one draw per driver and rider, our assumption.
-        rider_reaction: such a rider does react to a car that has been standing for this long [s]; 0.92, the mean
-            reaction to a crossing conflict, from another source (de Gelder, V in evidence.md).
-    """
-
-    name: ClassVar[str] = "failure_to_yield"
-    probability: float = 0.5
-    rider_unaware: float = 0.5
-    rider_reaction: float = 0.92
-
-    def driver_fails(self, seed: int, driver: str, junction: str) -> bool:
-        """Whether this driver does not look at this junction."""
-        return bool(stream(seed, self.name, driver, junction).random() < self.probability)
-
-    def rider_fails(self, seed: int, driver: str, rider: str) -> bool:
-        """Whether this rider does not react to this driver."""
-        return bool(stream(seed, self.name, driver, "rider", rider).random() < self.rider_unaware)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Errors:
-    """Which errors the drivers of a scenario make; None for an error they do not make."""
-
-    glances: Glances | None = None
-    hard_braking: HardBraking | None = None
-    failure_to_yield: FailureToYield | None = None
-    robots: Robots | None = None
-
-    def names(self) -> str:
-        """The errors by name, for the tables: `glance+hard_braking`, or `attentive` for none."""
-        made = (self.glances, self.hard_braking, self.failure_to_yield, self.robots)
-        return "+".join(error.name for error in made if error is not None) or "attentive"
-
-
-PROFILES: dict[str, Errors] = {
-    "attentive": Errors(),
-    "distracted": Errors(glances=Glances(), hard_braking=HardBraking(), failure_to_yield=FailureToYield()),
-}
-"""Errors by name, for scenarios that bring none of their own."""
+Kind = HardBraking | Glances | Robots
 
 
 @dataclass(order=True)
@@ -168,20 +136,23 @@ class Lapses:
     """All drivers' lapses in the order of time, event by event from a heap.
 
     Attributes:
-        kinds: the errors that are lapses, in order of precedence: the first that is on decides what a driver does.
+        kinds: in order of precedence: the first that is on decides what a driver does.
         on: (slots, kinds) which lapses are on now.
-        accel: (slots, kinds) what the driver does in them [m/s2].
-        looked_away: slots of those whose glance began with the last `advance`.
+        accel: (slots, kinds) what the driver does in them [m/s2], nan: hold the acceleration.
+        glance: index of the glances among the kinds, or None.
+        looked_away, looked_back: slots of those whose glance began, or ended, with the last `advance`.
     """
 
-    def __init__(self, errors: Errors, seed: int) -> None:
-        self.kinds = [e for e in (errors.hard_braking, errors.glances, errors.robots) if e is not None]
+    def __init__(self, kinds: Sequence[Kind | None], seed: int) -> None:
+        self.kinds: list[Kind] = [k for k in kinds if k is not None]
+        self.glance = next((i for i, kind in enumerate(self.kinds) if isinstance(kind, Glances)), None)
         self._seed = seed
         self._heap: list[_Event] = []
         self._count = 0
         self._streams: dict[str, list[Iterator[Lapse]]] = {}
         self._departed: dict[str, float] = {}
         self.looked_away: list[int] = []
+        self.looked_back: list[int] = []
         self.on: Bools = np.zeros((0, len(self.kinds)), np.bool_)
         self.accel: Floats = np.zeros((0, len(self.kinds)))
 
@@ -203,16 +174,16 @@ class Lapses:
 
     def advance(self, time: float) -> None:
         """Bring `on` and `accel` to `time` [s]."""
-        self.looked_away = []
+        self.looked_away, self.looked_back = [], []
         while self._heap and self._heap[0].time <= time:
             event = heappop(self._heap)
             if event.vehicle not in self._departed:
                 continue
             self.on[event.slot, event.kind] = event.starts
+            if event.kind == self.glance:
+                (self.looked_away if event.starts else self.looked_back).append(event.slot)
             if event.starts:
                 self.accel[event.slot, event.kind] = event.lapse.accel
-                if self.kinds[event.kind].name == Glances.name:
-                    self.looked_away.append(event.slot)
                 self._push(event.lapse.end, event, starts=False)
             else:
                 self._next(event.slot, event.vehicle, event.kind)
@@ -221,23 +192,10 @@ class Lapses:
         """Make room for `size` slots."""
         self.on, self.accel = fitted(self.on, size), fitted(self.accel, size)
 
-    def erring(self) -> tuple[Bools, Floats, Bools]:
-        """Per slot: in a lapse; acceleration in it [m/s2]; looking away and nothing else."""
-        size = len(self.on)
-        if not self.kinds:
-            return np.zeros(size, np.bool_), np.zeros(size), np.zeros(size, np.bool_)
-        first = self.on.argmax(1)
-        any_on: Bools = np.any(self.on, axis=1)
-        looks = np.array([k.name == Glances.name for k in self.kinds])
-        away: Bools = any_on & looks[first]
-        return any_on, np.take_along_axis(self.accel, first[:, None], 1)[:, 0], away
-
-    def name(self, slot: int) -> str:
-        """The error a driver is making, or empty."""
-        return self.kinds[int(self.on[slot].argmax())].name if self.kinds and self.on[slot].any() else ""
-
     def _next(self, slot: int, vehicle: str, kind: int) -> None:
-        lapse = next(self._streams[vehicle][kind])
+        lapse = next(self._streams[vehicle][kind], None)
+        if lapse is None:
+            return
         begin = self._departed[vehicle]
         lapse = Lapse(begin + lapse.start, begin + lapse.end, lapse.accel)
         event = _Event(lapse.start, 0, slot, vehicle, kind, lapse, True)

@@ -1,0 +1,240 @@
+"""All drivers: who does something else than SUMO's driver would, and what.
+
+A driver is SUMO's own until he looks away, brakes hard for no visible reason, or has to react to a vehicle ahead that
+came as a surprise: because his eyes were elsewhere, or because it brakes harder than anyone expects. Until he has
+noticed and reacted he goes on as he is; then he brakes as his model says, until nothing closes in any more.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeb_sumo.criticality import ttc2
+from aeb_sumo.drivers.lapses import Glances, Lapses
+from aeb_sumo.drivers.profile import Profile
+from aeb_sumo.drivers.reactions import Reaction, Response, Threat
+from aeb_sumo.drivers.streams import stream
+from aeb_sumo.soa import Bools, Floats, fitted
+from aeb_sumo.world.observe import Traffic, VClasses
+from aeb_sumo.world.surroundings import Leads, demanding
+
+__all__ = ["Motorists", "Notice"]
+
+_SAME_WAY = 0.5  # cosine of 60 degrees: SUMO also names leads on other lanes of a junction
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A driver has noticed a threat: his slot, whether late, his delay [s] and the time to the crash then [s]."""
+
+    slot: int
+    late: bool
+    delay: float
+    time_to_crash: float
+
+
+@dataclass
+class _Reacting:
+    """A driver who reacts, or is yet to notice what to react to."""
+
+    ahead: float  # serial number of the vehicle
+    late: bool
+    held: float  # acceleration until he brakes [m/s2]
+    response: Response | None = None
+    onset: float = np.inf
+    jerk: float = 0.0
+
+
+class Motorists:
+    """Drivers' lapses and reactions.
+
+    Attributes:
+        erring: per slot, the driver does not do what SUMO's would.
+        accel: per slot, what he does instead, signed [m/s2].
+        away: per slot, his eyes are off the road.
+        attentive: per slot, a warning keeps his eyes on the road.
+        noticed: who noticed a threat in the last step.
+    """
+
+    def __init__(self, traffic: Traffic, leads: Leads, profile: Profile, seed: int) -> None:
+        self._traffic, self._leads, self._profile, self._seed = traffic, leads, profile, seed
+        self._lapses = Lapses((profile.hard_braking, profile.glances, profile.robots), seed)
+        self._reacting: dict[int, _Reacting] = {}
+        self._alerts: dict[int, tuple[str, float]] = {}  # slot -> (target, when the warning reaches the driver)
+        self.erring: Bools = np.zeros(0, np.bool_)
+        self.accel: Floats = np.zeros(0)
+        self.away: Bools = np.zeros(0, np.bool_)
+        self.attentive: Bools = np.zeros(0, np.bool_)
+        self._until: Floats = np.zeros(0)  # attentive until [s]
+        self._driven: Bools = np.zeros(0, np.bool_)
+        self._surprise: Floats = np.zeros(0)
+        self._held: Floats = np.zeros(0)
+        self.noticed: list[Notice] = []
+
+    def depart(self, slot: int, vehicle: str, time: float) -> None:
+        """A vehicle enters."""
+        self._fit()
+        driven = self._traffic.vclass[slot] in VClasses.DRIVEN
+        robots = self._profile.robots is not None
+        self._driven[slot] = driven and not robots
+        model = self._model(slot)
+        self._surprise[slot] = np.inf if model is None else model.surprise
+        self._until[slot], self.away[slot], self.attentive[slot] = 0.0, False, False
+        if driven or robots:
+            self._lapses.depart(slot, vehicle, time)
+
+    def leave(self, slot: int, vehicle: str) -> None:
+        """A vehicle is gone."""
+        self._lapses.leave(slot, vehicle)
+        self._driven[slot] = self.away[slot] = self.attentive[slot] = False
+        self._reacting.pop(slot, None)
+        self._alerts.pop(slot, None)
+
+    def step(self, time: float, warnings: Iterable[tuple[int, str]], wrecked: Bools) -> None:
+        """From the state just observed to what drivers do in the coming step.
+
+        Args:
+            time: now [s].
+            warnings: slots and targets of the AEBs that warn or brake.
+            wrecked: per slot.
+        """
+        t = self._traffic
+        self._fit()
+        self.noticed = []
+        self._lapses.advance(time)
+        self._warn(time, warnings)
+        self._glance()
+        self._surprised(wrecked)
+        self._react(time, wrecked)
+        self.erring[:] = self.away
+        self.accel[:] = self._held
+        for slot, driver in self._reacting.items():
+            self.erring[slot], self.accel[slot] = True, self._reaction(driver, time)
+        for kind in reversed(range(len(self._lapses.kinds))):
+            if kind != self._lapses.glance:
+                on = self._lapses.on[: t.capacity, kind]
+                self.erring |= on
+                self.accel = np.where(on, self._lapses.accel[: t.capacity, kind], self.accel)
+
+    def error(self, slot: int) -> str:
+        """What a driver does wrong now, by name, or empty."""
+        for kind, on in enumerate(self._lapses.on[slot].tolist()):
+            if on and kind != self._lapses.glance:
+                return self._lapses.kinds[kind].name
+        if slot in self._reacting:
+            return Glances.name if self._reacting[slot].late else "surprised"
+        return Glances.name if self.away[slot] else ""
+
+    def _model(self, slot: int) -> Reaction | None:
+        return self._profile.trucks if self._traffic.vclass[slot] in VClasses.HEAVY else self._profile.cars
+
+    def _warn(self, time: float, warnings: Iterable[tuple[int, str]]) -> None:
+        """Warnings reach drivers."""
+        warned = self._profile.warned
+        if warned is None:
+            return
+        heard = {}
+        for slot, target in warnings:
+            known, due = self._alerts.get(slot, ("", np.inf))
+            if target != known:
+                due = min(due, time + warned.delay(self._seed, self._traffic.ids[slot], target))
+            heard[slot] = target, due
+            if time >= due:
+                self._until[slot] = time + warned.attention
+        self._alerts = heard
+        self.attentive[:] = self._until > time
+
+    def _glance(self) -> None:
+        t, calm = self._traffic, self._profile.glances
+        if calm is None:
+            return
+        for slot in self._lapses.looked_away:
+            busy = slot in self._reacting or self.attentive[slot] or not t.here[slot]
+            if not busy and not demanding(t, self._leads, slot, calm):
+                self.away[slot] = True
+                self._held[slot] = t.accel[slot]
+        warned = np.flatnonzero(self.away & self.attentive).tolist()
+        for slot in [*self._lapses.looked_back, *warned]:
+            if self.away[slot]:
+                self.away[slot] = False
+                self._look_back(slot)
+
+    def _look_back(self, slot: int) -> None:
+        """The eyes are on the road again: is there something to react to?"""
+        lead = int(self._leads.lead[slot])
+        if lead >= 0 and self._same_way(slot, lead) and self._sees(slot, lead):
+            self._reacting[slot] = _Reacting(self._traffic.serial[lead], True, self._held[slot])
+
+    def _surprised(self, wrecked: Bools) -> None:
+        """Followers of those who brake harder than anyone expects."""
+        t = self._traffic
+        rows = t.present[self._driven[t.present]]
+        lead = self._leads.lead[rows]
+        hard = (lead >= 0) & (t.accel[np.maximum(lead, 0)] < -self._surprise[rows])
+        for slot, ahead in zip(rows[hard].tolist(), lead[hard].tolist(), strict=True):
+            if slot not in self._reacting and not (self.away[slot] or wrecked[slot]) and self._same_way(slot, ahead):
+                self._reacting[slot] = _Reacting(t.serial[ahead], False, t.accel[slot])
+
+    def _react(self, time: float, wrecked: Bools) -> None:
+        t = self._traffic
+        for slot, driver in list(self._reacting.items()):
+            lead = int(self._leads.lead[slot])
+            if wrecked[slot] or lead < 0 or t.serial[lead] != driver.ahead or not self._same_way(slot, lead):
+                del self._reacting[slot]
+                continue
+            closing = float(t.speed[slot] - t.speed[lead])
+            if closing <= 0 and t.accel[lead] >= -self._surprise[slot]:
+                del self._reacting[slot]
+                continue
+            if driver.response is None and (self.attentive[slot] or self._sees(slot, lead)):
+                self._notice(slot, lead, driver, closing, time)
+            if self.attentive[slot]:
+                driver.onset = min(driver.onset, time)
+            if driver.response is not None and driver.jerk == 0 and time >= driver.onset:
+                looming = min(self._looming(slot, lead), _STRONGEST)
+                driver.jerk = driver.response.jerk + driver.response.jerk_per_looming * looming
+                driver.onset = time
+
+    def _notice(self, slot: int, lead: int, driver: _Reacting, closing: float, time: float) -> None:
+        t, model = self._traffic, self._model(slot)
+        accel = float(t.accel[slot] - t.accel[lead])
+        crash_in = float(ttc2(gap=self._leads.gap[slot], closing_speed=closing, closing_accel=accel))
+        if model is None or not np.isfinite(crash_in):
+            return
+        threat = Threat(time_to_crash=crash_in, closing_speed=max(closing, 0.0), late=driver.late)
+        driver.response = model.respond(
+            stream(self._seed, "driver", t.ids[slot]), stream(self._seed, "reaction", t.ids[slot], t.ids[lead]), threat
+        )
+        driver.onset = time + driver.response.delay
+        self.noticed.append(Notice(slot, driver.late, driver.response.delay, crash_in))
+
+    def _reaction(self, driver: _Reacting, time: float) -> float:
+        """Acceleration of one who reacts [m/s2]."""
+        if driver.response is None or driver.jerk == 0 or time < driver.onset:
+            return driver.held
+        before = max(-driver.held, 0.0)
+        return -max(before, min(driver.response.decel, before + driver.jerk * (time - driver.onset)))
+
+    def _sees(self, slot: int, lead: int) -> bool:
+        """Whether there is a threat that the driver notices when he looks."""
+        model = self._model(slot)
+        return model is not None and self._looming(slot, lead) >= model.looming
+
+    def _looming(self, slot: int, lead: int) -> float:
+        """Inverse time to collision [1/s], 0 when nothing closes in."""
+        closing = float(self._traffic.speed[slot] - self._traffic.speed[lead])
+        gap = float(self._leads.gap[slot])
+        return 0.0 if closing <= 0 else np.inf if gap <= 0 else closing / gap
+
+    def _same_way(self, slot: int, lead: int) -> bool:
+        return bool(np.cos(self._traffic.heading[slot] - self._traffic.heading[lead]) > _SAME_WAY)
+
+    def _fit(self) -> None:
+        n = self._traffic.capacity
+        self._lapses.fit(n)
+        for name in ("erring", "accel", "away", "attentive", "_until", "_driven", "_surprise", "_held"):
+            setattr(self, name, fitted(getattr(self, name), n))
+
+
+_STRONGEST = 10.0  # 1/s: nearer than this, the jerk is as good as infinite
