@@ -107,9 +107,8 @@ class Lookout:
             dangerous[dangerous] = self._in_conflict(
                 pairs, truth, known, braking[pairs.ego] & (conflict >= 0), dangerous
             )
-            lasting = np.where(dangerous, np.where(conflict < 0, 0.0, conflict + self._traffic.dt), _NO_CONFLICT)
-            conflict = np.where(judged, lasting, conflict)
-            counts = np.where(pairs.crossing, conflict >= self._suite.persist - self._traffic.dt / 2, True)
+            conflict = np.where(judged, self._lasting(conflict, dangerous), conflict)
+            counts = ~pairs.crossing | (conflict >= self._suite.persist - self._traffic.dt / 2)
             rank = pairs.gap
         self._pairs, self._tracks, self._conflict = pairs, tracks, conflict
         return self._chosen(rows, pairs, truth, known, rank, tracks.confirmed & counts & pairs.candidate)
@@ -201,6 +200,17 @@ class Lookout:
             aside = lateral_position(t, other) - lateral_position(t, ego)
             share[leads] = overlap(left=aside, width=t.width[ego], target_width=t.width[other])
         return share
+
+    def _lasting(self, conflict: Floats, dangerous: Bools) -> Floats:
+        """For how long conflicts have lasted, a step later [s].
+
+        One that has lasted for long enough survives pauses, up to as long as it has been more than that: near the edge
+        of the margin, what noisy tracks say comes and goes.
+        """
+        dt, persist = self._traffic.dt, self._suite.persist
+        grown = np.minimum(np.where(conflict < 0, 0.0, conflict + dt), 2 * persist)
+        shrunk = np.where(conflict - dt >= persist - dt / 2, conflict - dt, _NO_CONFLICT)
+        return np.where(dangerous, grown, shrunk)
 
     def _in_conflict(self, pairs: Pairs, truth: Measurable, known: Measurable, locked: Bools, rows: Bools) -> Bools:
         """Which of these `rows` would be at the crossing at the same time, as far as the ego knows.
