@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from aeb_sumo.candidates import Candidates
 from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.grip import Grip
 from aeb_sumo.lookout import Lookout, Targets
@@ -14,6 +15,7 @@ from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
+from aeb_sumo.world.sightlines import Sightlines
 from aeb_sumo.world.surroundings import Leads
 
 __all__ = ["Fleet", "Target"]
@@ -50,6 +52,7 @@ class Fleet:
         traffic: Traffic,
         leads: Leads,
         paths: Paths,
+        sightlines: Sightlines,
         friction: Friction,
         strategy: Strategy,
         suite: Suite,
@@ -60,7 +63,8 @@ class Fleet:
         self._traffic = traffic
         self._friction = friction
         self._strategy = strategy
-        self._lookout = Lookout(traffic, leads, paths, suite, strategy.gaze, sublane=sublane, seed=seed)
+        candidates = Candidates(traffic, leads, paths, sightlines, suite, strategy.gaze)
+        self._lookout = Lookout(traffic, candidates, suite, strategy.gaze, sublane=sublane, seed=seed)
         self.grip = Grip(
             traffic, friction, estimates=strategy.estimates_friction, prior=strategy.friction_prior, seed=seed
         )

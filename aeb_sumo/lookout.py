@@ -4,18 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from aeb_sumo.candidates import Candidates, Pairs
 from aeb_sumo.drivers.streams import number
 from aeb_sumo.perception.crossing import Approach, conflicting
-from aeb_sumo.perception.lead import sees_lead
 from aeb_sumo.perception.noise import Keys
-from aeb_sumo.perception.sensor import covered, overlap
+from aeb_sumo.perception.sensor import overlap
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_step
-from aeb_sumo.soa import Bools, Floats, Ints, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, joined, put, take
 from aeb_sumo.strategies.base import Gaze
-from aeb_sumo.world.observe import Traffic, VClasses
-from aeb_sumo.world.paths import Paths
-from aeb_sumo.world.surroundings import Leads, lateral_position
+from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.surroundings import lateral_position
 
 __all__ = ["Lookout", "Targets"]
 
@@ -60,47 +59,29 @@ class Targets:
         )
 
 
-@dataclass(frozen=True)
-class _Pairs:
-    """Candidates: an equipped vehicle and another, (k,) each.
-
-    Attributes:
-        ego, other: slots.
-        crossing: the other is on a path that crosses the own one.
-        gap: to the other along the own path, or to where the paths cross [m].
-        in_view: the geometry lets a sensor see it.
-        zone: (k, 4) from the front bumpers to the crossing: own from and to, other's from and to [m].
-    """
-
-    ego: Ints
-    other: Ints
-    crossing: Bools
-    gap: Floats
-    in_view: Bools
-    zone: Floats
-
-
 class Lookout:
     """The eyes of all equipped vehicles: follows candidates from step to step.
 
-    Leads are those that SUMO names, if they are where a sensor could see them. At junctions every pair of vehicles is
-    a candidate whose planned paths cross (`Gaze.PATH`) or, for systems that know no paths, every pair there is.
-    Whether two will meet at a crossing is judged on their true motion; sensing decides whether and where they are seen.
+    Sensing decides who is seen and where; whether two will meet at a crossing is judged on what is sensed of the
+    other's motion, and on the paths that both are expected to take.
     """
 
     def __init__(
-        self, traffic: Traffic, leads: Leads, paths: Paths, suite: Suite, gaze: Gaze, *, sublane: bool, seed: int
+        self, traffic: Traffic, candidates: Candidates, suite: Suite, gaze: Gaze, *, sublane: bool, seed: int
     ) -> None:
         self._traffic = traffic
-        self._leads = leads
+        self._candidates = candidates
         self._sublane = sublane
-        self._paths = paths
         self._suite = suite
         self._gaze = gaze
         self._seed = seed
-        self._serials: Ints = np.zeros(0, np.int64)  # of ego and other in one number, per track
+        # Of the last step, per pair; and for how long it has not been a candidate, and been in conflict [s], < 0: not.
+        none = np.zeros(0, np.int64)
+        self._pairs = candidates.again(none, none, np.zeros(0, np.bool_))
+        self._serials: Ints = none  # of ego and other in one number
         self._tracks = track_init(suite, np.zeros(0, np.uint64), traffic.dt)
-        self._conflict: Floats = np.zeros(0)  # for how long each track has been in conflict [s], < 0: it is not
+        self._absent: Floats = np.zeros(0)
+        self._conflict: Floats = np.zeros(0)
 
     def step(self, rows: Ints, *, braking: Bools, time: float) -> Targets:
         """The targets of the vehicles in slots `rows` (rising).
@@ -110,101 +91,68 @@ class Lookout:
             braking: per slot, the AEB is braking.
             time: now [s].
         """
-        pairs = self._candidates(rows[self._traffic.speed[rows] > 0])
-        tracks, conflict = self._matched(pairs)
+        pairs = self._candidates.of(rows[self._traffic.speed[rows] > 0])
+        pairs, tracks, conflict = self._followed(pairs, rows)
         truth = self._measurable(pairs)
         tracks = track_step(self._suite, tracks, truth, time=time, dt=self._traffic.dt)
         known = tracks.motion(self._suite, truth, self._traffic.dt)
-        if self._gaze is Gaze.PATH:
-            dangerous = self._in_conflict(pairs, braking[pairs.ego] & (conflict >= 0))
-            conflict = np.where(dangerous, np.where(conflict < 0, 0.0, conflict + self._traffic.dt), _NO_CONFLICT)
-            counts = np.where(pairs.crossing, conflict >= self._suite.persist - self._traffic.dt / 2, True)
-            rank = pairs.gap
-        else:
+        if self._gaze is Gaze.RELATIVE_MOTION:
             nears = (known.distance > 0) & (known.closing > 0)
             rank = np.divide(known.distance, known.closing, out=np.full(len(conflict), np.inf), where=nears)
             miss = known.left - known.closing_left * np.where(np.isfinite(rank), rank, 0.0)
             counts = np.isfinite(rank) & (np.abs(miss) < _NEAR_MISS)
-        self._tracks, self._conflict = tracks, conflict
-        return self._chosen(rows, pairs, truth, known, rank, tracks.confirmed & counts)
+        else:
+            judged = pairs.crossing & pairs.candidate
+            dangerous = judged & tracks.watched(self._suite)
+            dangerous[dangerous] = self._in_conflict(
+                pairs, truth, known, braking[pairs.ego] & (conflict >= 0), dangerous
+            )
+            conflict = np.where(judged, self._lasting(conflict, dangerous), conflict)
+            counts = ~pairs.crossing | (conflict >= self._suite.persist - self._traffic.dt / 2)
+            rank = pairs.gap
+        self._pairs, self._tracks, self._conflict = pairs, tracks, conflict
+        return self._chosen(rows, pairs, truth, known, rank, tracks.confirmed & counts & pairs.candidate)
 
-    def _candidates(self, moving: Ints) -> _Pairs:
-        t = self._traffic
-        ego = moving[self._leads.lead[moving] >= 0]
-        other, gap = self._leads.lead[ego], self._leads.gap[ego]
-        view = sees_lead(
-            self._suite.reach,
-            self._suite.field_of_view,
-            x=t.x[ego],
-            y=t.y[ego],
-            heading=t.heading[ego],
-            gap=gap,
-            rear_x=t.back_x[other],
-            rear_y=t.back_y[other],
-            lead_heading=t.heading[other],
-        )
-        crossing_ego, crossing_other, zone = self._at_junctions(moving)
-        crossing = np.zeros(len(ego) + len(crossing_ego), np.bool_)
-        crossing[len(ego) :] = True
-        crossing_view, distance = covered(
-            self._suite.reach,
-            self._suite.field_of_view,
-            x=t.x[crossing_ego],
-            y=t.y[crossing_ego],
-            heading=t.heading[crossing_ego],
-            target_x=(t.x + t.back_x)[crossing_other] / 2,
-            target_y=(t.y + t.back_y)[crossing_other] / 2,
-        )
-        at = np.maximum(zone[:, 0], 0.0) if self._gaze is Gaze.PATH else distance
-        return _Pairs(
-            np.concatenate([ego, crossing_ego]),
-            np.concatenate([other, crossing_other]),
-            crossing,
-            np.concatenate([gap, at]),
-            np.concatenate([view, crossing_view]),
-            np.vstack([np.full((len(ego), 4), np.nan), zone]),
-        )
-
-    def _at_junctions(self, moving: Ints) -> tuple[Ints, Ints, Floats]:
-        """Pairs at junctions: egos, others, (k, 4) distances to where their paths cross, nan where they do not."""
-        crossings = self._paths.crossings
-        egos = np.zeros(self._traffic.capacity, np.bool_)
-        egos[moving] = True
-        to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)
-        ego, other, zone = crossings.ego[to_come], crossings.other[to_come], crossings.zone[to_come]
-        if self._gaze is Gaze.PATH:
-            return ego, other, zone
-        # Who knows no paths has to look at everyone there, but those on his own.
-        turns, users = self._paths.turns, self._paths.users
-        i, j = self._paths.pairs()
-        path = np.array([id(users[u][0]) for u in turns.user.tolist()], np.int64)
-        i, j = (k[egos[turns.slot[i]] & (path[i] != path[j])] for k in (i, j))
-        size = self._traffic.capacity
-        rest = ~np.isin(turns.slot[i] * size + turns.slot[j], ego * size + other)
-        i, j = turns.slot[i[rest]], turns.slot[j[rest]]
-        return (
-            np.concatenate([ego, i]),
-            np.concatenate([other, j]),
-            np.concatenate([zone, np.full((len(i), 4), np.nan)]),
-        )
-
-    def _matched(self, pairs: _Pairs) -> tuple[Tracks, Floats]:
-        """Tracks and conflicts of the pairs, from the last step where they were candidates then."""
+    def _numbers(self, pairs: Pairs) -> Ints:
+        """One number per pair, which tells it from all others of the run."""
         t = self._traffic
         serials = t.serial[pairs.ego].astype(np.int64) * 2**32 + t.serial[pairs.other].astype(np.int64)
-        serials = np.where(pairs.crossing, -serials, serials)  # a lead may be crossing traffic as well
+        return np.where(pairs.crossing, -serials, serials)  # a lead may be crossing traffic as well
+
+    def _followed(self, pairs: Pairs, rows: Ints) -> tuple[Pairs, Tracks, Floats]:
+        """Pairs with their tracks and conflicts from the last step, where they were there then.
+
+        Added to them are those that were candidates a moment ago: a track does not end when SUMO pauses to name a lead.
+        They are watched for as long as a track survives without a detection, and count at once if they return.
+        """
+        last, serials = self._pairs, self._numbers(pairs)
         order = np.argsort(self._serials)
         place = np.searchsorted(self._serials, serials, sorter=order)
         at = order[np.minimum(place, len(order) - 1)] if len(order) else np.zeros(len(serials), np.int64)
         known = (self._serials[at] == serials) if len(order) else np.zeros(len(serials), np.bool_)
-        tracks = track_init(self._suite, self._keys(pairs, ~known), t.dt)
-        conflict = np.full(len(serials), _NO_CONFLICT)
+        self._absent = np.where(last.candidate, 0.0, self._absent) + self._traffic.dt
+        gone = self._absent < self._suite.coast * self._suite.cycle + self._traffic.dt / 2
+        gone[at[known]] = False
+        if gone.any():
+            late = self._still_there(np.flatnonzero(gone), rows)
+            pairs = joined(pairs, self._candidates.again(last.ego[late], last.other[late], last.crossing[late]))
+            serials, at = np.append(serials, self._serials[late]), np.append(at, late)
+            known = np.append(known, np.ones(len(late), np.bool_))
+        tracks = track_init(self._suite, self._keys(pairs, ~known), self._traffic.dt)
+        conflict, absent = np.full(len(serials), _NO_CONFLICT), np.zeros(len(serials))
         put(tracks, known, take(self._tracks, at[known]))
-        conflict[known] = self._conflict[at[known]]
-        self._serials = serials
-        return tracks, conflict
+        conflict[known], absent[known] = self._conflict[at[known]], self._absent[at[known]]
+        self._serials, self._absent = serials, absent
+        return pairs, tracks, conflict
 
-    def _keys(self, pairs: _Pairs, new: Bools) -> Keys:
+    def _still_there(self, k: Ints, rows: Ints) -> Ints:
+        """Which of the rows `k` of the last step are about the same vehicles, both on the road and the ego equipped."""
+        last, t = self._pairs, self._traffic
+        there = np.isin(last.ego[k], rows) & t.here[last.other[k]]
+        there &= self._numbers(take(last, k)) == self._serials[k]
+        return k[there]
+
+    def _keys(self, pairs: Pairs, new: Bools) -> Keys:
         """Identities of new pairs, for the noise of their tracks; an ideal suite has none."""
         keys = np.zeros(len(new), np.uint64)
         if self._suite.sensors:
@@ -213,7 +161,7 @@ class Lookout:
                 keys[k] = number(self._seed, "sensor", ids[pairs.ego[k]], ids[pairs.other[k]])
         return keys
 
-    def _measurable(self, pairs: _Pairs) -> Measurable:
+    def _measurable(self, pairs: Pairs) -> Measurable:
         """The truth about the pairs, in the frame of the own front bumper."""
         t, ego, other = self._traffic, pairs.ego, pairs.other
         own_cos, own_sin = np.cos(t.heading[ego]), np.sin(t.heading[ego])
@@ -233,13 +181,14 @@ class Lookout:
             closing_accel=t.accel[ego] - t.accel[other] * along,
             left=left,
             closing_left=-t.speed[other] * np.sin(turned),
+            closing_left_accel=-t.accel[other] * np.sin(turned),
             bearing=np.arctan2(aside, ahead),
             overlap=self._overlap(pairs),
             own_accel=t.accel[ego],
             turn=np.where(pairs.crossing, t.heading[ego] - t.old_heading[ego], 0.0),
         )
 
-    def _overlap(self, pairs: _Pairs) -> Floats:
+    def _overlap(self, pairs: Pairs) -> Floats:
         """Share of the target's width in the own one, across the lane and not straight ahead: curves do not count.
 
         Without SUMO's sublane model all drive in the middle; crossing traffic shows its whole side.
@@ -252,32 +201,45 @@ class Lookout:
             share[leads] = overlap(left=aside, width=t.width[ego], target_width=t.width[other])
         return share
 
-    def _in_conflict(self, pairs: _Pairs, locked: Bools) -> Bools:
-        """Crossing traffic in view that would be at the crossing at the same time."""
-        t, result = self._traffic, np.zeros(len(pairs.ego), np.bool_)
-        k = np.flatnonzero(pairs.crossing & pairs.in_view)
-        if not len(k):
-            return result
-        ego, other = pairs.ego[k], pairs.other[k]
-        to_zone, through_zone, other_to_zone, other_through_zone = pairs.zone[k].T
-        result[k] = conflicting(
+    def _lasting(self, conflict: Floats, dangerous: Bools) -> Floats:
+        """For how long conflicts have lasted, a step later [s].
+
+        One that has lasted for long enough survives pauses, up to as long as it has been more than that: near the edge
+        of the margin, what noisy tracks say comes and goes.
+        """
+        dt, persist = self._traffic.dt, self._suite.persist
+        grown = np.minimum(np.where(conflict < 0, 0.0, conflict + dt), 2 * persist)
+        shrunk = np.where(conflict - dt >= persist - dt / 2, conflict - dt, _NO_CONFLICT)
+        return np.where(dangerous, grown, shrunk)
+
+    def _in_conflict(self, pairs: Pairs, truth: Measurable, known: Measurable, locked: Bools, rows: Bools) -> Bools:
+        """Which of these `rows` would be at the crossing at the same time, as far as the ego knows.
+
+        The other is taken to be on its path as far from where it truly is as the track is along that path.
+        """
+        t, ego, other = self._traffic, pairs.ego[rows], pairs.other[rows]
+        truth, known = take(truth, rows), take(known, rows)
+        turned = t.heading[other] - t.heading[ego]
+        along, across = np.cos(turned), np.sin(turned)  # the other's path, in the own frame
+        farther = (known.distance - truth.distance) * along + (known.left - truth.left) * across
+        to_zone, through_zone, other_to_zone, other_through_zone = pairs.zone[rows].T
+        return conflicting(
             Approach(
                 to_zone=to_zone,
                 through_zone=through_zone,
                 speed=t.speed[ego],
                 length=t.length[ego],
-                other_to_zone=other_to_zone,
-                other_through_zone=other_through_zone,
-                other_speed=t.speed[other],
-                other_accel=t.accel[other],
+                other_to_zone=other_to_zone - farther,
+                other_through_zone=other_through_zone - farther,
+                other_speed=(t.speed[ego] - known.closing) * along - known.closing_left * across,
+                other_accel=(t.accel[ego] - known.closing_accel) * along - known.closing_left_accel * across,
                 other_length=t.length[other],
-                locked=locked[k],
+                locked=locked[rows],
             )
         )
-        return result
 
     def _chosen(
-        self, rows: Ints, pairs: _Pairs, truth: Measurable, known: Measurable, rank: Floats, usable: Bools
+        self, rows: Ints, pairs: Pairs, truth: Measurable, known: Measurable, rank: Floats, usable: Bools
     ) -> Targets:
         """For each vehicle the usable candidate of the lowest rank; a lead before a crossing one of the same."""
         t, targets = self._traffic, Targets.none(len(rows))
@@ -288,7 +250,6 @@ class Lookout:
         # Only a system that knows paths waits for crossing traffic at the crossing, where it stands in the way.
         waits = pairs.crossing[k] & (self._gaze is Gaze.PATH)
         error = known.distance[k] - truth.distance[k]
-        vulnerable = np.array([t.vclass[slot] in VClasses.RIDERS for slot in other.tolist()], np.bool_)
         ahead = known.distance[k]
         put(
             targets,
@@ -303,7 +264,7 @@ class Lookout:
                 left=known.left[k],
                 closing_ahead=known.closing[k],
                 closing_left=known.closing_left[k],
-                vulnerable=vulnerable,
+                vulnerable=t.vulnerable[other],
             ),
         )
         return targets

@@ -23,12 +23,14 @@ from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.strategies.base import Strategy
 from aeb_sumo.trace import Recorder, World
+from aeb_sumo.world.buildings import walls
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
+from aeb_sumo.world.sightlines import Sightlines
 from aeb_sumo.world.surroundings import Leads
 from aeb_sumo.world.violations import Violations
 from aeb_sumo.world.wrecks import Crash, Wrecks
@@ -148,12 +150,13 @@ class _Run:
         self._wrecks = Wrecks(self._traffic, network, session.sublane, blockage)
         self._leads = Leads(self._traffic)
         self._paths = Paths(self._traffic, network)
+        sightlines = Sightlines(self._traffic, walls())
         drivers = scenario.drivers
         self._motorists = Motorists(self._traffic, self._leads, drivers, self._seed)
         self._violations = Violations(
-            self._traffic, self._paths, drivers.failure_to_yield, drivers.riders, None, self._seed
+            self._traffic, self._paths, drivers.failure_to_yield, drivers.riders, sightlines, self._seed
         )
-        world = self._traffic, self._leads, self._paths, friction
+        world = self._traffic, self._leads, self._paths, sightlines, friction
         self._fleet = Fleets(
             {
                 s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=self._seed)

@@ -34,6 +34,7 @@ class Measurable:
         closing_accel: how fast that speed grows [m/s2].
         left: lateral position in the own frame [m].
         closing_left: own lateral velocity less the target's [m/s].
+        closing_left_accel: how fast that grows [m/s2].
         bearing: of what can be seen of it, from straight ahead, >= 0 [rad].
         overlap: share of its width in the own width, 0 to 1.
         own_accel: own acceleration in the last step, which the vehicle knows [m/s2].
@@ -46,6 +47,7 @@ class Measurable:
     closing_accel: Floats
     left: Floats
     closing_left: Floats
+    closing_left_accel: Floats
     bearing: Floats
     overlap: Floats
     own_accel: Floats
@@ -81,6 +83,11 @@ class Tracks:
     across_cov: Floats
     past: Floats
 
+    def watched(self, suite: Suite) -> Bools:
+        """(n,) there is something to judge: it is in view (ideal suites), or has been detected of late."""
+        result: Bools = (self.history != 0) if suite.sensors else (self.seen >= 0)
+        return result
+
     def motion(self, suite: Suite, truth: Measurable, dt: float) -> Measurable:
         """What the vehicle takes for true: the truth for ideal suites, else the estimates.
 
@@ -103,6 +110,7 @@ class Tracks:
             closing_accel=-accel,
             left=left,
             closing_left=-left_rate,
+            closing_left_accel=np.zeros(len(left)),  # the filter knows none
             bearing=truth.bearing,
             overlap=truth.overlap,
             own_accel=truth.own_accel,

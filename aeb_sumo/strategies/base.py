@@ -34,6 +34,13 @@ class Gaze(Enum):
     """Who is, or will be, in the way on the own planned path: the lead, or crossing traffic, the nearest of them."""
     RELATIVE_MOTION = "relative motion"
     """Who will pass closest ahead if both go on in a straight line: no knowledge of anybody's path."""
+    LEAD = "lead"
+    """Who is ahead on the own path and goes the same way: a car-following system, blind to crossing traffic."""
+
+    @property
+    def sees_crossing(self) -> bool:
+        """Whether crossing traffic can be a target."""
+        return self is not Gaze.LEAD
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,6 +116,11 @@ class Strategy(ABC):
     """`Percept.mu` is its own running estimate; otherwise it is told the truth."""
 
     brake: BrakeParams = field(default_factory=BrakeParams)
+
+    @property
+    def sees_crossing(self) -> bool:
+        """Whether crossing traffic can be its target."""
+        return self.gaze.sees_crossing
 
     @property
     def friction_prior(self) -> float | None:

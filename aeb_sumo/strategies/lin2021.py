@@ -13,7 +13,7 @@ import numpy as np
 from aeb_sumo.criticality import ttc2
 from aeb_sumo.parameters import within
 from aeb_sumo.soa import Floats, Ints
-from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
+from aeb_sumo.strategies.base import Demand, Gaze, Percept, Phase, Strategy
 from aeb_sumo.units import G
 from aeb_sumo.vehicle.brake import BrakeParams
 
@@ -52,6 +52,7 @@ class Lin2021(Strategy):
 
     name: ClassVar[str] = "lin2021"
     source: ClassVar[str] = "Lin, Lu, Han, Liu 2021, Computer Technology and Development 31(7) 1-6"
+    gaze: ClassVar[Gaze] = Gaze.LEAD  # the source treats the vehicle ahead alone (seeds 2.2)
     estimates_friction: ClassVar[bool] = True
 
     t1: float = within(0.3, 0.0, 3.0)

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from aeb_sumo.soa import Bools
-from aeb_sumo.strategies.base import Demand, Percept, Strategy
+from aeb_sumo.strategies.base import Demand, Gaze, Percept, Strategy
 
 __all__ = ["STRATEGY"]
 
@@ -23,6 +23,7 @@ class NoAeb(Strategy):
     """Never warns and never brakes."""
 
     name: ClassVar[str] = "none"
+    gaze: ClassVar[Gaze] = Gaze.LEAD
     source: ClassVar[str] = "-"
 
     def init(self, n: int) -> Nothing:

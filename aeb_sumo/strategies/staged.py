@@ -13,7 +13,7 @@ from aeb_sumo.criticality import ttc
 from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import within
 from aeb_sumo.soa import Floats, Ints
-from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
+from aeb_sumo.strategies.base import Demand, Gaze, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import BrakeParams
 
 __all__ = ["STRATEGY", "Staged", "StagedState"]
@@ -52,6 +52,7 @@ class Staged(Strategy):
     name: ClassVar[str] = "staged"
     source: ClassVar[str] = "shared/seeds 002: AEB tests of cars M and N in CCRm 40/20 at 100 % and 50 % overlap"
     sensing: ClassVar[str] = "fusion"
+    gaze: ClassVar[Gaze] = Gaze.LEAD  # the source treats CCRm alone (seeds 3.1)
 
     warn_ttc: float = within(2.62, 0.1, 10.0)
     brake_ttc: float = within(0.88, 0.1, 10.0)

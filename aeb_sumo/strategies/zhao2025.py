@@ -3,6 +3,9 @@
 Zhao H., Guo Z., Liu Z.: A Car-Following Control Strategy for AEB Systems Balancing Safety and Comfort. Chinese Journal
 of Automotive Engineering 15(4), 445-456, 2025. Equation and table numbers below are this paper's; "seeds" is
 shared/seeds.md, where what the paper leaves open is decided (A1 ... A11).
+
+The paper treats the vehicle ahead alone. That the system brakes for crossing traffic as well, as if that stood where
+the paths cross, is our extension (`Gaze.PATH`).
 """
 
 from dataclasses import dataclass, field

@@ -18,7 +18,7 @@ from aeb_sumo.drivers.classes import CLASSES, driver_classes, reaction_time
 from aeb_sumo.fuzzy import RuleBase, Surface
 from aeb_sumo.parameters import within
 from aeb_sumo.soa import Bools, Floats
-from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
+from aeb_sumo.strategies.base import Demand, Gaze, Percept, Phase, Strategy
 from aeb_sumo.units import to_kmh
 from aeb_sumo.vehicle.brake import BrakeParams
 
@@ -84,6 +84,7 @@ class Zheng2020(Strategy):
 
     name: ClassVar[str] = "zheng2020"
     source: ClassVar[str] = "Zheng, Zu, Kong 2020, Journal of Chongqing University of Technology (Nat. Sci.) no. 12"
+    gaze: ClassVar[Gaze] = Gaze.LEAD  # the source treats the vehicle ahead alone (seeds 5.1: CCRs)
 
     driver_class: int = within(1, 1, CLASSES)
     classes_file: str = ""

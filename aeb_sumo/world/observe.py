@@ -19,6 +19,8 @@ class VClasses:
     """Of these, heavy ones."""
     RIDERS = frozenset({"bicycle", "moped", "scooter", "motorcycle"})
     """Two-wheelers."""
+    VULNERABLE = RIDERS | {"pedestrian"}
+    """Nobody around them: two-wheelers and pedestrians."""
     ALL = DRIVEN | RIDERS | {
         "tram", "rail_urban", "rail", "rail_electric", "rail_fast", "ship", "container", "cable_car", "subway",
         "aircraft", "wheelchair", "drone", "pedestrian",
@@ -35,7 +37,7 @@ _CAR_MASS = 1500.0
 
 
 _MOTION = ("x", "y", "heading", "speed")
-_OTHER = ("accel", "length", "width", "min_gap", "mass", "serial", "here", "fresh")
+_OTHER = ("accel", "length", "width", "min_gap", "mass", "serial", "vulnerable", "here", "fresh")
 _ARRAYS = (*_MOTION, *("old_" + name for name in _MOTION), *_OTHER)
 
 
@@ -57,6 +59,7 @@ class Traffic:
         old_x ... old_speed: the same a step earlier.
         length, width, min_gap, mass: [m], [m], [m], [kg].
         serial: running number of the vehicle, from 1, which tells it from others that had its slot.
+        vulnerable: a two-wheeler or a pedestrian.
         here: on the network now.
         fresh: no earlier state (just inserted, or back from a teleport): old equals new.
         teleports: how often a vehicle has been taken off the road to be put back elsewhere.
@@ -81,6 +84,7 @@ class Traffic:
         self.min_gap: Floats = none
         self.mass: Floats = none
         self.serial: Floats = none
+        self.vulnerable: Bools = np.zeros(0, np.bool_)
         self.here: Bools = np.zeros(0, np.bool_)
         self.fresh: Bools = np.zeros(0, np.bool_)
         self.ids: list[str] = []
@@ -179,6 +183,7 @@ class Traffic:
         self.length[slot], self.width[slot] = get.getLength(vehicle), get.getWidth(vehicle)
         self.min_gap[slot] = get.getMinGap(vehicle)
         self.mass[slot] = _MASS.get(self.vclass[slot], _CAR_MASS)
+        self.vulnerable[slot] = self.vclass[slot] in VClasses.VULNERABLE
         self.departed.append(slot)
         self.inserted += 1
         self.serial[slot] = self.inserted

@@ -83,7 +83,7 @@ def sensing():
     """All that the fusion suite does for a vehicle in a frame, against the filtering that is part of it."""
     fusion, keys = suite("fusion"), np.arange(1, N + 1, dtype=np.uint64)
     zero, gap = np.zeros(N), RNG.uniform(10, 60, N)
-    seen = Measurable(np.ones(N, bool), gap, zero + 5.0, zero, zero, zero, zero, zero + 1.0, zero, zero)
+    seen = Measurable(np.ones(N, bool), gap, zero + 5.0, zero, zero, zero, zero, zero, zero + 1.0, zero, zero)
     state, time = track_init(fusion, keys, DT), 0.0
     along = [KalmanFilter(3, 2) for _ in range(N)]
     across = [KalmanFilter(2, 1) for _ in range(N)]

@@ -19,6 +19,8 @@ def test_runs_and_every_command_is_executed(scenario, name):
     assert runs["equipped"] > 5
     assert runs["override_violations"] == 0
     assert runs["sensing"] == strategies.load(name).sensing
+    if not strategies.load(name).sees_crossing:
+        assert (result.interventions["target_kind"] != "crossing").all()
     acting = result.interventions["max_decel_mps2"]
     assert (acting <= 0.85 * 9.81 + 1e-9).all()
 
@@ -38,3 +40,10 @@ def test_what_an_aeb_sees_does_not_depend_on_who_else_has_one(sensing):
     first = both[1].interventions.sort_values("begin_s").iloc[0]
     same = both[0].interventions.query("vehicle == @first.vehicle")["begin_s"].min()
     assert same == first["begin_s"]
+
+
+@pytest.mark.parametrize("name", ["yan2025", "zhao2025"])
+def test_who_sees_crossing_traffic_acts_on_it(name):
+    assert strategies.load(name).sees_crossing
+    result = run(scenarios.load("w0"), name, duration=120)
+    assert (result.interventions["target_kind"] == "crossing").any()

@@ -24,7 +24,8 @@ def truth(distance, closing, share=1.0, in_view=True):
 
     return Measurable(
         in_view=np.full(n, in_view), distance=np.asarray(distance, float).reshape(n), closing=full(closing),
-        closing_accel=full(0), left=full(0), closing_left=full(0), bearing=full(0), overlap=full(share),
+        closing_accel=full(0), left=full(0), closing_left=full(0), closing_left_accel=full(0), bearing=full(0),
+        overlap=full(share),
         own_accel=full(0), turn=full(0),
     )  # fmt: skip
 

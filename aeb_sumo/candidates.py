@@ -1,0 +1,128 @@
+"""Who an equipped vehicle may have to react to: pairs of it and another, from leads and from paths that cross."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeb_sumo.perception.lead import sees_lead
+from aeb_sumo.perception.sensor import covered
+from aeb_sumo.perception.suites import Suite
+from aeb_sumo.soa import Bools, Floats, Ints, joined
+from aeb_sumo.strategies.base import Gaze
+from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.paths import Paths
+from aeb_sumo.world.sightlines import Sightlines
+from aeb_sumo.world.surroundings import Leads
+
+__all__ = ["Candidates", "Pairs"]
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """An equipped vehicle and another, (k,) each.
+
+    Attributes:
+        ego, other: slots.
+        crossing: the other is on a path that crosses the own one.
+        gap: to the other along the own path, or to where the paths cross [m].
+        in_view: within range and field of view, and nothing hides it.
+        candidate: it may be a target now; else it was one a moment ago, and the sensors only go on watching it.
+        zone: (k, 4) from the front bumpers to the crossing: own from and to, other's from and to [m]; nan if unknown.
+    """
+
+    ego: Ints
+    other: Ints
+    crossing: Bools
+    gap: Floats
+    in_view: Bools
+    candidate: Bools
+    zone: Floats
+
+
+class Candidates:
+    """Finds the pairs of a step.
+
+    Leads are those that SUMO names, if they are where a sensor could see them. Nothing but thin air is between a
+    vehicle and the next one on its path, so lines of sight are asked only for crossing traffic. At junctions every pair
+    of vehicles is a candidate whose planned paths cross (`Gaze.PATH`) or, for systems that know no paths, every pair
+    there is (`Gaze.RELATIVE_MOTION`); systems for car-following have no eyes for either (`Gaze.LEAD`).
+    """
+
+    def __init__(
+        self, traffic: Traffic, leads: Leads, paths: Paths, sightlines: Sightlines, suite: Suite, gaze: Gaze
+    ) -> None:
+        self._traffic = traffic
+        self._leads = leads
+        self._paths = paths
+        self._sightlines = sightlines
+        self._suite = suite
+        self._gaze = gaze
+
+    def of(self, egos: Ints) -> Pairs:
+        """All pairs of the vehicles in these slots."""
+        ego = egos[self._leads.lead[egos] >= 0]
+        pairs = self._ahead(ego, self._leads.lead[ego], self._leads.gap[ego])
+        return joined(pairs, self._crossing(*self._at_junctions(egos))) if self._gaze.sees_crossing else pairs
+
+    def again(self, ego: Ints, other: Ints, crossing: Bools) -> Pairs:
+        """Pairs that are not candidates any more, as the sensors see them now."""
+        ahead, aside = ~crossing, crossing
+        lead, t = other[ahead], self._traffic
+        straight = np.hypot(t.back_x[lead] - t.x[ego[ahead]], t.back_y[lead] - t.y[ego[ahead]])
+        nowhere = np.full((np.count_nonzero(aside), 4), np.nan)
+        pairs = joined(self._ahead(ego[ahead], lead, straight), self._crossing(ego[aside], other[aside], nowhere))
+        pairs.candidate[:] = False
+        return pairs
+
+    def _ahead(self, ego: Ints, other: Ints, gap: Floats) -> Pairs:
+        t, n = self._traffic, len(ego)
+        view = sees_lead(
+            self._suite.reach,
+            self._suite.field_of_view,
+            x=t.x[ego],
+            y=t.y[ego],
+            heading=t.heading[ego],
+            gap=gap,
+            rear_x=t.back_x[other],
+            rear_y=t.back_y[other],
+            lead_heading=t.heading[other],
+        )
+        return Pairs(ego, other, np.zeros(n, np.bool_), gap, view, np.ones(n, np.bool_), np.full((n, 4), np.nan))
+
+    def _crossing(self, ego: Ints, other: Ints, zone: Floats) -> Pairs:
+        t, n = self._traffic, len(ego)
+        view, distance = covered(
+            self._suite.reach,
+            self._suite.field_of_view,
+            x=t.x[ego],
+            y=t.y[ego],
+            heading=t.heading[ego],
+            target_x=(t.x + t.back_x)[other] / 2,
+            target_y=(t.y + t.back_y)[other] / 2,
+        )
+        view[view] = self._sightlines.visible(ego[view], other[view])
+        gap = np.maximum(zone[:, 0], 0.0) if self._gaze is Gaze.PATH else distance
+        return Pairs(ego, other, np.ones(n, np.bool_), gap, view, np.ones(n, np.bool_), zone)
+
+    def _at_junctions(self, moving: Ints) -> tuple[Ints, Ints, Floats]:
+        """Pairs at junctions: egos, others, (k, 4) distances to where their paths cross, nan where they do not."""
+        crossings = self._paths.crossings
+        egos = np.zeros(self._traffic.capacity, np.bool_)
+        egos[moving] = True
+        to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)
+        ego, other, zone = crossings.ego[to_come], crossings.other[to_come], crossings.zone[to_come]
+        if self._gaze is Gaze.PATH:
+            return ego, other, zone
+        # Who knows no paths has to look at everyone there, but those on his own.
+        turns, users = self._paths.turns, self._paths.users
+        i, j = self._paths.pairs()
+        path = np.array([id(users[u][0]) for u in turns.user.tolist()], np.int64)
+        i, j = (k[egos[turns.slot[i]] & (path[i] != path[j])] for k in (i, j))
+        size = self._traffic.capacity
+        rest = ~np.isin(turns.slot[i] * size + turns.slot[j], ego * size + other)
+        i, j = turns.slot[i[rest]], turns.slot[j[rest]]
+        return (
+            np.concatenate([ego, i]),
+            np.concatenate([other, j]),
+            np.concatenate([zone, np.full((len(i), 4), np.nan)]),
+        )

@@ -1,0 +1,111 @@
+"""What hides what: lines of sight against bodies and walls, seen from above; pure geometry.
+
+Everything that hides is a set of straight pieces: a wall is one, a body its two diagonals. A line that passes through a
+rectangle from outside to outside parts its corners, so it always crosses a diagonal, and inside the rectangle.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aeb_sumo.soa import Bools, Floats, Ints
+
+__all__ = ["NOBODY", "Screens", "diagonals", "hidden"]
+
+NOBODY = -1
+"""Owner of a screen that belongs to no vehicle."""
+
+
+@dataclass(frozen=True)
+class Screens:
+    """Straight pieces that hide what is behind them, in order of their middles' x; make them with `of`.
+
+    Attributes:
+        pieces: (m, 4) x and y of either end [m].
+        owner: (m,) slot of the vehicle they are part of, `NOBODY` for a wall.
+        middle: (m,) x of their middles, rising [m].
+        spread: the most that any of them reaches to either side of its middle in x [m].
+    """
+
+    pieces: Floats
+    owner: Ints
+    middle: Floats
+    spread: float
+
+    @classmethod
+    def of(cls, pieces: Floats, owner: Ints) -> "Screens":
+        """From pieces (m, 4) and their owners (m,) in any order."""
+        middle = (pieces[:, 0] + pieces[:, 2]) / 2
+        order = np.argsort(middle, kind="stable")
+        spread = float(np.abs(pieces[:, 0] - pieces[:, 2]).max(initial=0.0)) / 2
+        return cls(pieces[order], owner[order], middle[order], spread)
+
+
+def diagonals(*, x: Floats, y: Floats, heading: Floats, length: Floats, width: Floats) -> Floats:
+    """(2n, 4) diagonals of the bodies of n vehicles, first one of each, then the other of each [m].
+
+    Args:
+        x: (n,) centre of the front bumper [m].
+        y: (n,) centre of the front bumper [m].
+        heading: (n,) [rad].
+        length: (n,) [m].
+        width: (n,) [m].
+    """
+    cos, sin = np.cos(heading), np.sin(heading)
+    back_x, back_y = x - length * cos, y - length * sin
+    aside_x, aside_y = -sin * width / 2, cos * width / 2
+    return np.vstack(
+        [
+            np.column_stack([x + aside_x, y + aside_y, back_x - aside_x, back_y - aside_y]),
+            np.column_stack([x - aside_x, y - aside_y, back_x + aside_x, back_y + aside_y]),
+        ]
+    )
+
+
+def hidden(lines: Floats, ends: Ints, screens: Screens) -> Bools:
+    """Which lines of sight a screen crosses.
+
+    A line that only touches the end of a screen, or ends on it, is crossed: there are no gaps in the corner of two
+    walls.
+
+    Args:
+        lines: (k, 4) x and y of the eye, x and y of what it looks at [m].
+        ends: (k, 2) slots of the vehicles at either end, whose own screens do not count.
+        screens: what is in the way.
+
+    Returns:
+        (k,) crossed.
+    """
+    result = np.zeros(len(lines), np.bool_)
+    line, screen = _near(lines, screens)
+    owner = screens.owner[screen]
+    others = (owner == NOBODY) | ((owner != ends[line, 0]) & (owner != ends[line, 1]))
+    line, screen = line[others], screen[others]
+    result[line[_cross(lines[line], screens.pieces[screen])]] = True
+    return result
+
+
+def _near(lines: Floats, screens: Screens) -> tuple[Ints, Ints]:
+    """Lines and screens, as rows, whose bounding boxes overlap: only these may cross."""
+    west, east = np.minimum(lines[:, 0], lines[:, 2]), np.maximum(lines[:, 0], lines[:, 2])
+    first = np.searchsorted(screens.middle, west - screens.spread, side="left")
+    many = np.searchsorted(screens.middle, east + screens.spread, side="right") - first
+    line = np.repeat(np.arange(len(lines)), many)
+    screen = np.arange(len(line)) + np.repeat(first - (np.cumsum(many) - many), many)
+    south, north = np.minimum(lines[:, 1], lines[:, 3]), np.maximum(lines[:, 1], lines[:, 3])
+    one, other = screens.pieces[:, 1], screens.pieces[:, 3]
+    near = (np.minimum(one, other)[screen] <= north[line]) & (np.maximum(one, other)[screen] >= south[line])
+    return line[near], screen[near]
+
+
+def _cross(a: Floats, b: Floats) -> Bools:
+    """Whether two straight pieces, (n, 4) each, have a point in common, pairwise; parallel ones have none."""
+    ax, ay, bx, by = a[:, 2] - a[:, 0], a[:, 3] - a[:, 1], b[:, 2] - b[:, 0], b[:, 3] - b[:, 1]
+    dx, dy = b[:, 0] - a[:, 0], b[:, 1] - a[:, 1]
+    area = ax * by - ay * bx
+    # How far along either piece the common point is, as a share times `area`.
+    along_a, along_b = dx * by - dy * bx, dx * ay - dy * ax
+    sign = np.sign(area)
+    along_a, along_b, area = along_a * sign, along_b * sign, np.abs(area)
+    result: Bools = (area > 0) & (along_a >= 0) & (along_a <= area) & (along_b >= 0) & (along_b <= area)
+    return result
