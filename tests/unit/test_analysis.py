@@ -142,3 +142,26 @@ def test_summary_has_conflicts_and_what_crashes_do_to_people(encounters):
     assert table["conflicts", "conflicts", ""] == 12
     assert table["conflicts", "primary rear-end near-crashes per crash", "1"] == 9.0
     assert table["conflicts", "time at a TTC below 1.5 s", "s"] == 6.0
+
+
+def test_runs_of_one_strategy_with_other_sensors_are_different_groups(data):
+    runs = data.runs.assign(sensing=["", "", "ideal", "radar"], parameters=["", "", "", ""])
+    groups = replace(data, runs=runs).groups()
+    assert groups.tolist() == ["none", "none", "zhao2025, sensing ideal", "zhao2025, sensing radar"]
+
+
+def test_a_mix_is_a_group_with_rates_of_each_of_its_systems(data):
+    """Of the 1,000 km of the first run with AEB, 800 are driven with zhao2025, which does all there is."""
+    mix = "yan2025=0.2,zhao2025=0.8"
+    runs = data.runs.assign(strategy=data.runs["strategy"].replace("zhao2025", mix))
+    one = data.exposure[data.exposure["run_id"] == "zhao2025-0"]
+    shares = [one.assign(strategy=name, distance_m=km * 1e3) for name, km in (("yan2025", 200), ("zhao2025", 800))]
+    exposure = pd.concat([data.exposure[~data.exposure["run_id"].str.startswith("zhao")], *shares])
+    mixed = replace(data, runs=runs.assign(penetration=np.nan), exposure=exposure)
+    assert set(mixed.groups()) == {"none", mix}
+    row = analysis.intervention_statistics(mixed).loc[(mix, "zhao2025", "partial_brake", "lead")]
+    assert row["per_1000_km"] == pytest.approx(2 / 0.8)
+    table = analysis.summary(mixed)[mix]
+    assert table["interventions", "braking rate", "1/10³ km"] == pytest.approx(2.0)
+    assert table["interventions", "  zhao2025", "1/10³ km"] == pytest.approx(2 / 0.8)
+    assert table["interventions", "  yan2025", "1/10³ km"] == 0
