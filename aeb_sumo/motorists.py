@@ -91,12 +91,12 @@ class Motorists:
         self._reacting.pop(slot, None)
         self._alerts.pop(slot, None)
 
-    def step(self, time: float, warnings: Iterable[tuple[int, str]], wrecked: Bools) -> None:
+    def step(self, time: float, warnings: Iterable[tuple[str, str]], wrecked: Bools) -> None:
         """From the state just observed to what drivers do in the coming step.
 
         Args:
             time: now [s].
-            warnings: slots and targets of the AEBs that warn or brake.
+            warnings: vehicles whose AEB warned or braked in the last step, and their targets.
             wrecked: per slot.
         """
         t = self._traffic
@@ -129,16 +129,19 @@ class Motorists:
     def _model(self, slot: int) -> Reaction | None:
         return self._profile.trucks if self._traffic.vclass[slot] in VClasses.HEAVY else self._profile.cars
 
-    def _warn(self, time: float, warnings: Iterable[tuple[int, str]]) -> None:
+    def _warn(self, time: float, warnings: Iterable[tuple[str, str]]) -> None:
         """Warnings reach drivers."""
         warned = self._profile.warned
         if warned is None:
             return
         heard = {}
-        for slot, target in warnings:
+        for vehicle, target in warnings:
+            slot = self._traffic.slot.get(vehicle)
+            if slot is None:
+                continue
             known, due = self._alerts.get(slot, ("", np.inf))
             if target != known:
-                due = min(due, time + warned.delay(self._seed, self._traffic.ids[slot], target))
+                due = min(due, time + warned.delay(self._seed, vehicle, target))
             heard[slot] = target, due
             if time >= due:
                 self._until[slot] = time + warned.attention

@@ -171,6 +171,7 @@ class _Run:
         self._book = TrafficBook(self._traffic, session.begin, interval)
         self._crashes: list[dict[str, Any]] = []
         self._equipped = 0
+        self._warnings: list[tuple[str, str]] = []  # who is being warned, and of whom
 
     def simulate(
         self, duration: float | None, progress: Callable[[Progress], None] | None, stop: Callable[[], bool] | None
@@ -212,8 +213,7 @@ class _Run:
 
         self._leads.step()
         self._paths.step()
-        warnings = [(slot, t.ids[target.slot]) for slot, target in self._fleet.active() if target is not None]
-        self._motorists.step(time, warnings, wrecked)
+        self._motorists.step(time, self._warnings, wrecked)
         self._violations.step(self._motorists.attentive)
         self._fleet.step(time, wrecked)
         self._override.drive(
@@ -223,7 +223,9 @@ class _Run:
             wrecked=wrecked,
             wreck_speed=self._wrecks.speed,
         )
-        for slot, target in self._fleet.active():
+        acting = self._fleet.active()
+        self._warnings = [(t.ids[slot], t.ids[target.slot]) for slot, target in acting if target is not None]
+        for slot, target in acting:
             self._book_action(time, slot, target)
         if self._trace is not None:
             self._trace.step(time)
