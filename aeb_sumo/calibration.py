@@ -35,11 +35,11 @@ __all__ = [
 TARGET = 761 / 82
 """Near-crashes per crash in the 100-Car study (evidence.md, V)."""
 
-FITTED = "hard_braking.decel"
-"""The parameter that is fitted to it: how hard leads brake for no visible reason, of which there is no evidence."""
+FITTED = "hard_braking.duration"
+"""The parameter that is fitted to it: how long leads brake hard for no visible reason; there is no evidence for it."""
 
-GRID = (5.0, 5.5, 6.0, 6.5, 7.0)
-"""Values of it that are tried [m/s2]; below 0.5 g nobody is surprised."""
+GRID = (1.0, 1.25, 1.5, 1.75, 2.0)
+"""Values of it that are tried [s]."""
 
 SHARES = (0.05, 0.1, 0.2, 0.3, 0.45)
 """Shares of time with the eyes off the road at which crashes are counted."""

@@ -233,7 +233,10 @@ class Motorists:
     def _sees(self, slot: int, lead: int) -> bool:
         """Whether there is a threat that the driver notices when he looks."""
         model = self._model(slot)
-        return model is not None and self._looming(slot, lead) >= model.looming
+        if model is None:
+            return False
+        lights = model.sees_brake_lights and self._traffic.accel[lead] < -model.surprise
+        return bool(lights or self._looming(slot, lead) >= model.looming)
 
     def _looming(self, slot: int, lead: int) -> float:
         """Inverse time to collision [1/s], 0 when nothing closes in."""

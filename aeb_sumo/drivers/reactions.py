@@ -63,6 +63,8 @@ class Reaction(ABC):
     """
 
     model: ClassVar[str]
+    sees_brake_lights: ClassVar[bool] = False
+    """Notices at once a vehicle ahead that brakes hard; else its looming."""
     looming: float = 0.2
     surprise: float = 0.5 * G
     mild: float = 3.0
@@ -135,7 +137,8 @@ class Careful(Reaction):
     """The careful reference driver of UN R157 (evidence.md, V); all defaults printed there.
 
     Attributes:
-        looming: risk is seen at a TTC of 2 s.
+        looming: risk is seen at a TTC of 2 s ...
+        surprise: ... and in a vehicle ahead that brakes with 5 m/s2 or more (read in esmini's code, V).
         mild: he always brakes.
         delay: reaction time [s].
         decel: 0.774 g [m/s2].
@@ -143,7 +146,9 @@ class Careful(Reaction):
     """
 
     model: ClassVar[str] = "careful"
+    sees_brake_lights: ClassVar[bool] = True
     looming: float = 0.5
+    surprise: float = 5.0
     mild: float = 0.0
     delay: float = 0.75
     decel: float = 0.774 * G

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from aeb_sumo.criticality import ttc
+from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.drivers.encounters import Warned
 from aeb_sumo.drivers.lapses import Glances
 from aeb_sumo.drivers.profile import Profile
@@ -48,21 +48,36 @@ def follow(on_track, drivers, *, kind="hard", gap=30.0, strategy="none", duratio
 
 
 def test_a_careful_driver_reacts_to_hard_braking_as_un_r157_says(on_track):
-    """Risk at a TTC of 2 s, 0.75 s of reaction, then 12.65 m/s3 to 0.774 g; before that he goes on as he was."""
+    """He sees it at once, 0.75 s of reaction, then 12.65 m/s3 to 0.774 g; before that he goes on as he was."""
     careful = Careful()
-    result, ego, lead = follow(on_track, Profile(cars=careful), gap=45.0)
+    result, ego, lead = follow(on_track, Profile(cars=careful))
     assert len(result.crashes) == 0
-    gap = lead["x_m"] - 4.6 - ego["x_m"]
-    closing = ego["speed_mps"] - lead["speed_mps"]
-    risk = (closing / gap >= careful.looming).idxmax()
-    surprised = (lead["accel_mps2"] < -careful.surprise).idxmax()
-    waiting = ego.loc[surprised + 0.05 : risk + careful.delay, "accel_mps2"]
+    risk = (lead["accel_mps2"] < -careful.surprise).idxmax()
+    waiting = ego.loc[risk + 0.05 : risk + careful.delay, "accel_mps2"]
     assert len(waiting) > 10
     assert np.ptp(waiting) < 0.05, "the acceleration is held"
     after = ego.loc[risk + careful.delay :, "accel_mps2"]
     assert after.min() == pytest.approx(-careful.decel, abs=0.05)
     reached = (after <= -careful.decel + 0.05).idxmax()
     assert reached - (risk + careful.delay) == pytest.approx(careful.decel / careful.jerk, abs=0.15)
+
+
+def test_others_notice_that_the_vehicle_ahead_looms(on_track):
+    """Inverse TTC of 0.2 1/s; until then the acceleration is held, to the moment at which alpha says."""
+    looming = Looming(alpha_mean=0.2, alpha_sd=0.0)
+    _, ego, lead = follow(on_track, Profile(cars=looming), gap=40.0)
+    gap = lead["x_m"] - 4.6 - ego["x_m"]
+    closing = ego["speed_mps"] - lead["speed_mps"]
+    noticed = (closing / gap >= looming.looming).idxmax()
+    surprised = (lead["accel_mps2"] < -looming.surprise).idxmax()
+    assert noticed > surprised
+    there = noticed
+    crash_in = ttc2(
+        gap=gap[there], closing_speed=closing[there], closing_accel=ego["accel_mps2"][there] - lead["accel_mps2"][there]
+    )
+    braking = (ego["accel_mps2"] < 0).loc[surprised:].idxmax()
+    # A step until the state is seen, one until the command is executed, one until the jerk has undone the acceleration.
+    assert 0 <= braking - (noticed + 0.2 * crash_in) <= 3 * 0.05
 
 
 def test_sumos_own_drivers_react_at_once(on_track):
@@ -103,7 +118,7 @@ def test_a_warned_driver_reacts_to_the_warning(on_track, responds):
 
 def test_the_reaction_ends_when_nothing_closes_in(on_track):
     """Afterwards SUMO's driver is back: he drives up to the lead and stops behind it."""
-    _, ego, lead = follow(on_track, Profile(cars=Careful()), gap=45.0, duration=40.0)
+    _, ego, lead = follow(on_track, Profile(cars=Careful()), duration=40.0)
     gap = (lead["x_m"] - 4.6 - ego["x_m"]).iloc[-1]
     assert ego["speed_mps"].iloc[-1] == 0
     assert 0 < gap < 6
