@@ -10,11 +10,13 @@ from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.world.contact import Impact, impact, touching
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.walkers import fell
 
 __all__ = ["Crash", "Wrecks"]
 
 _SLIDING = 6.0  # m/s2, deceleration of a wreck, our assumption
 _LEFT = frozenset("lL")
+_STANDS = 0.1  # m/s, a slower vehicle runs nobody down, our assumption
 
 
 @dataclass(frozen=True)
@@ -23,10 +25,10 @@ class Crash:
 
     Attributes:
         impact: instant, point, speeds.
-        kind: `rear_end`, `left_turn_across_path` (one turns left in front of oncoming traffic), `crossing`, `head_on`
-            or `side`.
-        striker, struck: vehicle ids.
-        lane: of the struck vehicle.
+        kind: `rear_end`, `left_turn_across_path` (one turns left in front of oncoming traffic), `crossing`, `head_on`,
+            `side`, or `pedestrian` (a moving vehicle and a person on foot).
+        striker, struck: their names in `Traffic.ids`.
+        lane: of the struck vehicle; of the only one, if one is on foot.
         secondary: one of them had crashed before.
     """
 
@@ -110,6 +112,8 @@ class Wrecks:
         pair = _pair(striker, struck)
         if hit.approach <= 0:
             return None
+        if "pedestrian" in (t.vclass[hit.striker], t.vclass[hit.struck]):
+            return self._run_down(hit)
         # Who parks is beside the road, and on no lane.
         parked = any(libsumo.vehicle.isStoppedParking(v) for v in (striker, struck))
         places = [] if parked else [self._place(v) for v in (striker, struck)]
@@ -124,6 +128,26 @@ class Wrecks:
             self._until[vehicle] = hit.time + self.blockage
         self._slide_together(pair)
         return Crash(hit, self._kind(hit, places), striker, struck, places[1].lanes[0], secondary)
+
+    def _run_down(self, hit: Impact) -> Crash | None:
+        """A vehicle and a person on foot: a crash wherever they touch, if the vehicle moves.
+
+        The person is taken away at once; the vehicle, hardly slowed by him, slides to a stop and stands like any wreck.
+        """
+        t = self.traffic
+        slot, speed, walker = hit.striker, hit.striker_speed, hit.struck
+        if t.vclass[slot] == "pedestrian":
+            slot, speed, walker = hit.struck, hit.struck_speed, hit.striker
+        if speed <= _STANDS:
+            return None
+        secondary = bool(self.wrecked[slot])
+        vehicle, striker, struck = t.ids[slot], t.ids[hit.striker], t.ids[hit.struck]
+        self.crashed.add(_pair(striker, struck))
+        self.speed[slot] = self.speed[slot] if secondary else speed
+        self.wrecked[slot] = True
+        self._until[vehicle] = hit.time + self.blockage
+        fell(t.ids[walker])
+        return Crash(hit, "pedestrian", striker, struck, libsumo.vehicle.getLaneID(vehicle), secondary)
 
     def _slide_together(self, pair: tuple[str, str]) -> None:
         """All wrecks of a pile-up go on with their common momentum: none passes through another."""
