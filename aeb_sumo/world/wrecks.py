@@ -10,7 +10,7 @@ from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.world.contact import Impact, impact, touching
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.walkers import fell
+from aeb_sumo.world.walkers import PREFIX, fell
 
 __all__ = ["Crash", "Wrecks"]
 
@@ -81,6 +81,7 @@ class Wrecks:
     speed: Floats = field(default_factory=lambda: np.zeros(0))
     _pile: dict[str, set[str]] = field(default_factory=dict)  # wreck -> all wrecks it has touched, directly or not
     _until: dict[str, float] = field(default_factory=dict)
+    _touched: dict[tuple[str, str], float] = field(default_factory=dict)  # vehicle and walker -> last time [s]
 
     def step(self, time: float) -> list[Crash]:
         """The crashes of the step that ended at `time` [s]."""
@@ -91,9 +92,10 @@ class Wrecks:
             self._until.pop(vehicle, None)
             self._pile.pop(vehicle, None)
         for collision in libsumo.simulation.getCollisions():
-            pair = _pair(collision.collider, collision.victim)
-            if all(vehicle in t.slot for vehicle in pair):  # SUMO reports persons as well
-                self.reported.setdefault(pair, time)
+            one = self._name(collision.collider, collision.colliderType)
+            other = self._name(collision.victim, collision.victimType)
+            if one and other:
+                self.reported.setdefault(_pair(one, other), time)
         new = []
         pairs, instants = touching(t)
         for k in np.argsort(instants, kind="stable"):
@@ -106,14 +108,23 @@ class Wrecks:
         self.speed = np.maximum(self.speed - _SLIDING * t.dt, 0.0)
         return new
 
+    def _name(self, reported: str, vtype: str) -> str:
+        """Name in `Traffic.ids` of whom SUMO reports, who may be a person; empty for nobody there."""
+        t = self.traffic
+        walks = PREFIX + reported in {t.ids[slot] for slot in t.walkers.tolist()}
+        drives = reported in t.slot
+        if walks and drives:
+            walks = t.vtype[t.slot[reported]] != vtype
+        return PREFIX + reported if walks else reported if drives else ""
+
     def _judge(self, hit: Impact) -> Crash | None:
         t = self.traffic
         striker, struck = t.ids[hit.striker], t.ids[hit.struck]
         pair = _pair(striker, struck)
-        if hit.approach <= 0:
-            return None
         if "pedestrian" in (t.vclass[hit.striker], t.vclass[hit.struck]):
             return self._run_down(hit)
+        if hit.approach <= 0:
+            return None
         # Who parks is beside the road, and on no lane.
         parked = any(libsumo.vehicle.isStoppedParking(v) for v in (striker, struck))
         places = [] if parked else [self._place(v) for v in (striker, struck)]
@@ -130,19 +141,22 @@ class Wrecks:
         return Crash(hit, self._kind(hit, places), striker, struck, places[1].lanes[0], secondary)
 
     def _run_down(self, hit: Impact) -> Crash | None:
-        """A vehicle and a person on foot: a crash wherever they touch, if the vehicle moves.
+        """A vehicle and a person on foot: a crash wherever they touch, if the vehicle moves when they begin to.
 
+        SUMO's persons walk through vehicles that stand in their way, and are inside them when these move on.
         The person is taken away at once; the vehicle, hardly slowed by him, slides to a stop and stands like any wreck.
         """
         t = self.traffic
         slot, speed, walker = hit.striker, hit.striker_speed, hit.struck
         if t.vclass[slot] == "pedestrian":
             slot, speed, walker = hit.struck, hit.struck_speed, hit.striker
-        if speed <= _STANDS:
+        vehicle, striker, struck = t.ids[slot], t.ids[hit.striker], t.ids[hit.struck]
+        pair = _pair(striker, struck)
+        touched, self._touched[pair] = self._touched.get(pair, -np.inf), hit.time
+        if hit.approach <= 0 or speed <= _STANDS or hit.time - touched < 2 * t.dt:
             return None
         secondary = bool(self.wrecked[slot])
-        vehicle, striker, struck = t.ids[slot], t.ids[hit.striker], t.ids[hit.struck]
-        self.crashed.add(_pair(striker, struck))
+        self.crashed.add(pair)
         self.speed[slot] = self.speed[slot] if secondary else speed
         self.wrecked[slot] = True
         self._until[vehicle] = hit.time + self.blockage
