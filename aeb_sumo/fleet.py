@@ -114,6 +114,9 @@ class Fleet:
         self.decel[:] = 0.0
         self.demand.phase[:] = Phase.NONE
         self.demand.decel[:] = 0.0
+        if not len(rows):
+            self._rows, self._targets = rows, None
+            return
         self.grip.step(rows)
         braking = self._last_phase >= Phase.PARTIAL_BRAKE
         targets = self._lookout.step(rows, braking=braking, time=time)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aeb_sumo.criticality import ttc2
+from aeb_sumo.criticality import required_decel, ttc2
 from aeb_sumo.drivers.lapses import Glances, Lapses
 from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.drivers.reactions import Reaction, Response, Threat
@@ -192,6 +192,9 @@ class Motorists:
             if self.attentive[slot]:
                 driver.onset = min(driver.onset, time)
             if driver.response is not None and driver.jerk == 0 and time >= driver.onset:
+                if self._mild(slot, lead):
+                    del self._reacting[slot]
+                    continue
                 looming = min(self._looming(slot, lead), _STRONGEST)
                 driver.jerk = driver.response.jerk + driver.response.jerk_per_looming * looming
                 driver.onset = time
@@ -208,6 +211,14 @@ class Motorists:
         )
         driver.onset = time + driver.response.delay
         self.noticed.append(Notice(slot, driver.late, driver.response.delay, crash_in))
+
+    def _mild(self, slot: int, lead: int) -> bool:
+        """Whether this is no emergency: the vehicle ahead does not brake hard, and little is needed."""
+        t, model = self._traffic, self._model(slot)
+        needed = required_decel(
+            gap=self._leads.gap[slot], speed=t.speed[slot], lead_speed=t.speed[lead], lead_accel=t.accel[lead]
+        )
+        return model is not None and bool(t.accel[lead] >= -model.surprise and needed <= model.mild)
 
     def _reaction(self, driver: _Reacting, time: float) -> float:
         """Acceleration of one who reacts [m/s2]."""

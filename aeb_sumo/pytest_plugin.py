@@ -70,7 +70,7 @@ class Golden:
     def __call__(
         self,
         scenario: "str | Path | Scenario",
-        strategy: "str | Strategy" = "zhao2025",
+        strategy: "str | Strategy | None" = None,
         *,
         name: str | None = None,
         tolerance: float = 0.0015,
@@ -80,7 +80,8 @@ class Golden:
 
         Args:
             scenario: what is simulated: a name, the path of a .sumocfg, or a scenario.
-            strategy: the AEB, or its name. Its parameters are not part of the section's name: they are what is tuned.
+            strategy: the AEB, or its name; None for zhao2025, or what `equip` says. Its parameters are not part of the
+                section's name: they are what is tuned.
             name: of the section; None for scenario, strategy and the numbers and texts among `run_arguments`. Runs
                 of one module that differ otherwise need names.
             tolerance: largest difference of numbers that are no counts, in their own unit. They are kept to three
@@ -133,7 +134,7 @@ class Golden:
 
 
 def _run(
-    scenario: "str | Path | Scenario", strategy: "str | Strategy", arguments: Mapping[str, Any]
+    scenario: "str | Path | Scenario", strategy: "str | Strategy | None", arguments: Mapping[str, Any]
 ) -> "tuple[str, Results]":
     """The run, and its name in the table."""
     from aeb_sumo import scenarios, simulate  # noqa: PLC0415 - slow
@@ -145,7 +146,7 @@ def _run(
     parts = [
         f"{k}={v:.12g}" if isinstance(v, Real) else f"{k}={v}"
         for k, v in sorted(arguments.items())
-        if isinstance(v, Real | str)
+        if isinstance(v, Real | str) and k != "equip"  # which `runs.strategy` says
     ]
     return " ".join([Path(scenario.name).stem, results.runs["strategy"].item(), *parts]), results
 

@@ -9,26 +9,25 @@ from typing import Any
 import numpy as np
 
 import aeb_sumo
-from aeb_sumo import strategies
-from aeb_sumo.drivers.streams import stream
+from aeb_sumo.equipment import Equipment, System, equipment
 from aeb_sumo.errors import InputError
 from aeb_sumo.fleet import Fleet, Target
+from aeb_sumo.fleets import Fleets
 from aeb_sumo.ledger.conflicts import Conflicts
 from aeb_sumo.ledger.interventions import Action, Interventions
 from aeb_sumo.ledger.severity import risks
 from aeb_sumo.ledger.traffic import TrafficBook
 from aeb_sumo.motorists import Motorists
-from aeb_sumo.parameters import differences
-from aeb_sumo.perception.suites import Suite, suite
+from aeb_sumo.perception.suites import Suite
 from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.strategies.base import Strategy
-from aeb_sumo.trace import Trace
+from aeb_sumo.trace import Recorder, World
 from aeb_sumo.world.buildings import walls
 from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.network import Network
-from aeb_sumo.world.observe import Traffic, VClasses
+from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
@@ -56,16 +55,17 @@ class Progress:
 
 def run(
     scenario: Scenario,
-    strategy: str | Strategy = "zhao2025",
+    strategy: str | Strategy | None = None,
     *,
-    penetration: float = 1.0,
+    penetration: float | None = None,
     seed: int | None = None,
     duration: float | None = None,
     step_length: float | None = None,
     blockage: float | None = None,
     interval: float = 60.0,
     sensing: str | Suite | None = None,
-    trace: Trace | None = None,
+    equip: str | Equipment | None = None,
+    trace: Recorder | None = None,
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
     stop: Callable[[], bool] | None = None,
@@ -74,8 +74,9 @@ def run(
 
     Args:
         scenario: what is simulated.
-        strategy: the AEB, or its name; "none" is the baseline.
-        penetration: share of cars equipped, 0 to 1. A car that is equipped at one share is so at every larger one.
+        strategy: the AEB, or its name; "none" is the baseline, None for zhao2025.
+        penetration: share of cars equipped, 0 to 1; None for all of them. A car that is equipped at one share is so at
+            every larger one.
         seed: of SUMO and of the drivers; None for the scenario's.
         duration: [s]; None for the scenario's.
         step_length: [s]; None for the scenario's.
@@ -83,7 +84,9 @@ def run(
             time-to-teleport if that is shorter.
         interval: of the rows of table `traffic` [s].
         sensing: what the equipped vehicles see with, a suite or its name; None for the strategy's own.
-        trace: records vehicles step by step.
+        equip: instead of these three, several systems in one run, or shares by kind of vehicle: an `Equipment` or its
+            text, such as `zhao2025=0.3,yan2025=0.2` or `passenger:zhao2025=0.5,truck:zhao2025/radar=0.2`.
+        trace: looks on, for example an `aeb_sumo.trace.Trace`.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
         stop: asked after every step; True ends the run, whose tables are then marked as interrupted.
@@ -92,12 +95,10 @@ def run(
         The tables of `aeb_sumo.results.TABLES`, one run.
 
     Raises:
-        InputError: an argument is out of range, strategy or suite are unknown, or SUMO refuses the scenario.
+        InputError: an argument is out of range, a strategy, suite or kind of vehicle is unknown, or SUMO refuses the
+            scenario.
     """
-    brain = strategies.load(strategy) if isinstance(strategy, str) else strategy
-    eyes = sensing if isinstance(sensing, Suite) else suite(sensing or brain.sensing)
-    if not 0 <= penetration <= 1:
-        raise InputError(f"penetration must lie within 0..1, not {penetration:g}")
+    carried = equipment(strategy, sensing=sensing, penetration=penetration, equip=equip)
     for name, value in (("duration", duration), ("step length", step_length), ("interval", interval)):
         if value is not None and not 0 < value < np.inf:
             raise InputError(f"{name} must be a positive number of seconds, not {value:g}")
@@ -124,7 +125,8 @@ def run(
             if blockage is not None and blockage > limit:
                 raise InputError(f"blockage {blockage:g} s is longer than SUMO's time-to-teleport of {limit:g} s")
             stand = min(_BLOCKAGE, limit) if blockage is None else blockage
-            one = _Run(session, scenario, brain, penetration, stand, interval, eyes, trace)
+            carried.check_kinds(session.vehicle_types)
+            one = _Run(session, scenario, carried, stand, interval, trace)
             return one.simulate(span, progress, stop)
 
 
@@ -135,15 +137,13 @@ class _Run:
         self,
         session: Session,
         scenario: Scenario,
-        strategy: Strategy,
-        penetration: float,
+        carried: Equipment,
         blockage: float,
         interval: float,
-        eyes: Suite,
-        trace: Trace | None,
+        trace: Recorder | None,
     ) -> None:
-        self._session, self._scenario, self._strategy = session, scenario, strategy
-        self._penetration, self._blockage = penetration, blockage
+        self._session, self._scenario, self._carried = session, scenario, carried
+        self._blockage = blockage
         self._seed = session.seed
         network = Network()
         self._traffic = Traffic(session.dt)
@@ -157,22 +157,19 @@ class _Run:
         drivers = scenario.drivers
         self._motorists = Motorists(self._traffic, self._leads, drivers, self._seed)
         self._violations = Violations(
-            self._traffic, self._paths, drivers.failure_to_yield, drivers.riders, None, self._seed
+            self._traffic, self._paths, drivers.failure_to_yield, drivers.riders, sightlines, self._seed
         )
-        self._fleet = Fleet(
-            self._traffic,
-            self._leads,
-            self._paths,
-            Footpaths(self._traffic, self._paths, self._walkers),
-            sightlines,
-            friction,
-            strategy,
-            eyes,
-            sublane=session.sublane,
-            seed=self._seed,
+        footpaths = Footpaths(self._traffic, self._paths, self._walkers)
+        world = self._traffic, self._leads, self._paths, footpaths, sightlines, friction
+        self._fleet = Fleets(
+            {
+                s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=self._seed)
+                for s in carried.systems or (System.of("none"),)
+            }
         )
-        self._sensing = eyes.name
-        self._trace = trace and trace.of(self._traffic, self._fleet, friction)
+        self._trace = trace
+        if trace is not None:
+            trace.attend(World(self._traffic, self._leads, friction, self._motorists, self._fleet))
         self._interventions = Interventions()
         self._conflicts = Conflicts(self._traffic, self._error)
         self._book = TrafficBook(self._traffic, session.begin, interval)
@@ -251,14 +248,11 @@ class _Run:
                 self._book.arrive(slot)
         for slot in t.departed:
             vehicle, vclass = t.ids[slot], t.vclass[slot]
-            equipped = (
-                self._strategy.name != "none"
-                and vclass in VClasses.CARS
-                and bool(stream(self._seed, "equip", vehicle).random() < self._penetration)
-            )
-            self._equipped += equipped
-            self._fleet.depart(slot, equipped=equipped)
-            self._book.depart(slot, equipped=equipped)
+            system = self._carried.of(vehicle, vtype=t.vtype[slot], vclass=vclass, seed=self._seed)
+            name = system.name if system else ""
+            self._equipped += bool(name)
+            self._fleet.depart(slot, name)
+            self._book.depart(slot, name)
             self._motorists.depart(slot, vehicle, time)
 
     def _error(self, slot: int, other: int | None = None) -> str:
@@ -290,6 +284,8 @@ class _Run:
                 "struck_vtype": t.vtype[hit.struck],
                 "striker_equipped": bool(self._fleet.equipped[hit.striker]),
                 "struck_equipped": bool(self._fleet.equipped[hit.struck]),
+                "striker_strategy": self._fleet.system(hit.striker),
+                "struck_strategy": self._fleet.system(hit.struck),
                 "striker_error": self._error(hit.striker, hit.struck),
                 "struck_error": self._error(hit.struck, hit.striker),
                 "striker_aeb_phase": int(self._fleet.demand.phase[hit.striker]),
@@ -307,6 +303,7 @@ class _Run:
             vehicle,
             t.vclass[slot],
             Action(
+                strategy=self._fleet.system(slot),
                 phase=int(self._fleet.demand.phase[slot]),
                 decel=float(self._fleet.decel[slot]) if t.speed[slot] > 0 else 0.0,
                 speed=float(t.speed[slot]),
@@ -332,13 +329,13 @@ class _Run:
         for row in self._crashes:
             row["sumo_reported"] = tuple(sorted((row["striker"], row["struck"]))) in wrecks.reported
         name = Path(self._scenario.name).stem
-        run_id = f"{name}-{self._strategy.name}-p{self._penetration:g}-s{self._seed}"
+        run_id = self._carried.run_id(name, self._seed)
         runs = {
             "scenario": self._scenario.name,
-            "strategy": self._strategy.name,
-            "sensing": self._sensing if self._strategy.name != "none" else "",
-            "parameters": differences(self._strategy),
-            "penetration": float(self._penetration),
+            "strategy": self._carried.name,
+            "sensing": self._carried.sensing,
+            "parameters": self._carried.parameters,
+            "penetration": self._carried.penetration,
             "seed": self._seed,
             "drivers": self._scenario.drivers.name,
             "step_length_s": session.dt,

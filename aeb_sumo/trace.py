@@ -1,15 +1,39 @@
-"""Traces: vehicles recorded step by step, for test cases and figures."""
+"""Recorders: look on while a run is simulated. Traces: vehicles recorded step by step, for test cases and figures."""
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
 
-from aeb_sumo.fleet import Fleet
+from aeb_sumo.fleets import Fleets
+from aeb_sumo.motorists import Motorists
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.surroundings import Leads
 
-__all__ = ["Trace"]
+__all__ = ["Recorder", "Trace", "World"]
+
+
+@dataclass(frozen=True)
+class World:
+    """What there is to see of a run."""
+
+    traffic: Traffic
+    leads: Leads
+    friction: Friction
+    motorists: Motorists
+    fleet: Fleets
+
+
+class Recorder(Protocol):
+    """Looks on; give it to `aeb_sumo.simulate.run`."""
+
+    def attend(self, world: World) -> None:
+        """A run begins."""
+
+    def step(self, time: float) -> None:
+        """A step has ended at `time` [s], and what all do in the coming one is decided."""
 
 
 class Trace:
@@ -26,24 +50,19 @@ class Trace:
         self._vehicles = vehicles
         self._rows: list[dict[str, Any]] = []
         self.latest: dict[str, dict[str, Any]] = {}
-        self._traffic: Traffic
-        self._fleet: Fleet
-        self._friction: Friction
+        self._world: World
 
-    def of(self, traffic: Traffic, fleet: Fleet, friction: Friction) -> "Trace":
-        """Record from this world on."""
-        self._traffic, self._fleet, self._friction = traffic, fleet, friction
+    def attend(self, world: World) -> None:
+        """Record this run."""
+        self._world = world
         self._rows, self.latest = [], {}
-        return self
 
     def step(self, time: float) -> None:
         """Record the state at `time` [s] and what the AEBs demand for the coming step."""
-        t, fleet = self._traffic, self._fleet
+        t, fleet = self._world.traffic, self._world.fleet
         wanted = [t.slot[v] for v in self._vehicles if v in t.slot] if self._vehicles else t.present.tolist()
         slots = np.array([s for s in wanted if t.here[s]], np.int64)
-        mu, target = self._friction.at(slots), fleet.targets(slots)
-        known, equipped = np.full(len(slots), np.nan), fleet.equipped[slots]
-        known[equipped] = fleet.grip.known(slots[equipped])
+        mu, known, target = self._world.friction.at(slots), fleet.friction_known(slots), fleet.targets(slots)
         self.latest = {}
         for k, slot in enumerate(slots.tolist()):
             aimed = int(target.slot[k])

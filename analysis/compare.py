@@ -8,6 +8,7 @@ import pandas as pd
 
 from analysis.conflicts import near_crash_ratio
 from analysis.crashes import crash_rates
+from analysis.interventions import equipped_km
 from analysis.load import Dataset
 from analysis.throughput import throughput
 
@@ -21,7 +22,7 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     (ratio,) = near_crash_ratio(part).itertuples()
     crashes, interventions, conflicts, runs = part.crashes, part.interventions, part.conflicts, part.runs
     braking = interventions[interventions["phase"] != "warn"]
-    equipped_km = part.exposure.loc[part.exposure["equipped"], "distance_m"].sum() / 1000
+    km = equipped_km(part)
     figures: dict[tuple[str, str, str], Any] = {("runs", "runs", ""): len(runs)}
     figures["runs", "vehicles", ""] = runs["vehicles"].sum()
     figures["runs", "vehicle-km", "km"] = rate.vehicle_km
@@ -49,7 +50,11 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
         figures["interventions", f"  {phase.replace('_', ' ')}", ""] = (interventions["phase"] == phase).sum()
     for kind in ("lead", "crossing"):
         figures["interventions", f"  braking for {kind}", ""] = (braking["target_kind"] == kind).sum()
-    figures["interventions", "braking rate", "1/10³ km"] = len(braking) / equipped_km * 1000 if equipped_km else np.nan
+    figures["interventions", "braking rate", "1/10³ km"] = _per_1000_km(len(braking), km.sum())
+    if len(km) > 1:
+        for system, own in km.items():
+            count = (braking["strategy"] == system).sum()
+            figures["interventions", f"  {system}", "1/10³ km"] = _per_1000_km(count, own)
     ttc = braking["trigger_ttc_s"].replace(np.inf, np.nan)
     figures["interventions", "median TTC at braking", "s"] = ttc.median()
     figures["interventions", "mean peak deceleration", "m/s²"] = braking["max_decel_mps2"].mean()
@@ -69,6 +74,10 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
 def _expected(crashes: pd.DataFrame, what: str) -> float:
     """Sum of the risks of all persons for whom there is a curve."""
     return float(crashes[[f"striker_{what}_risk", f"struck_{what}_risk"]].sum().sum())
+
+
+def _per_1000_km(count: int, km: float) -> float:
+    return count / km * 1000 if km else np.nan
 
 
 def _side_by_side(groups: Mapping[str, Dataset]) -> pd.DataFrame:

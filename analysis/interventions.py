@@ -6,14 +6,16 @@ import pandas as pd
 from analysis.load import Dataset
 from analysis.rates import poisson_rate
 
-__all__ = ["intervention_counts", "intervention_statistics"]
+__all__ = ["equipped_km", "intervention_counts", "intervention_statistics"]
 
-_BY = ["phase", "target_kind"]
+_BY = ["strategy", "phase", "target_kind"]
 _STATISTICS = ("trigger_ttc_s", "max_decel_mps2", "speed_reduction_mps")
 
 
-def _equipped_km(part: Dataset) -> float:
-    return float(part.exposure.loc[part.exposure["equipped"], "distance_m"].sum() / 1000)
+def equipped_km(part: Dataset) -> pd.Series:
+    """Distance driven by the vehicles with an AEB, by the name of its system [km]."""
+    exposure = part.exposure[part.exposure["equipped"]]
+    return exposure.groupby("strategy")["distance_m"].sum() / 1000
 
 
 def intervention_counts(data: Dataset, by: str | list[str] = "phase") -> pd.DataFrame:
@@ -24,19 +26,19 @@ def intervention_counts(data: Dataset, by: str | list[str] = "phase") -> pd.Data
 
 
 def intervention_statistics(data: Dataset, confidence: float = 0.95) -> pd.DataFrame:
-    """Count, rate and size of interventions by group of runs, phase and kind of target.
+    """Count, rate and size of interventions by group of runs, system, phase and kind of target.
 
     Returns:
-        Index (group, phase, target_kind); columns `count`; `per_1000_km` of the equipped vehicles with its exact
-        Poisson interval `low`, `high`; and the mean and median of `trigger_ttc_s` (finite ones only),
-        `max_decel_mps2` and `speed_reduction_mps`.
+        Index (group, strategy, phase, target_kind), strategy as in `interventions`; columns `count`; `per_1000_km` of
+        the vehicles with that system with its exact Poisson interval `low`, `high`; and the mean and median of
+        `trigger_ttc_s` (finite ones only), `max_decel_mps2` and `speed_reduction_mps`.
     """
     rows = []
     for name, part in data.by_group().items():
-        km = _equipped_km(part)
-        for (phase, kind), some in part.interventions.groupby(_BY):
-            rate = poisson_rate(len(some), km / 1000, confidence)
-            row = {"group": name, "phase": phase, "target_kind": kind, "count": len(some)}
+        km = equipped_km(part)
+        for (system, phase, kind), some in part.interventions.groupby(_BY):
+            rate = poisson_rate(len(some), km.get(system, 0.0) / 1000, confidence)
+            row = {"group": name, "strategy": system, "phase": phase, "target_kind": kind, "count": len(some)}
             row |= {"per_1000_km": rate.rate, "low": rate.low, "high": rate.high}
             for column in _STATISTICS:
                 values = some[column].replace([np.inf, -np.inf], np.nan)

@@ -10,7 +10,7 @@ from aeb_sumo.results import Results, read
 __all__ = ["Dataset", "load"]
 
 
-_SETTINGS = ("scenario", "penetration", "drivers", "step_length_s", "mu", "blockage_s")
+_SETTINGS = ("scenario", "penetration", "sensing", "parameters", "drivers", "step_length_s", "mu", "blockage_s")
 
 
 @dataclass(frozen=True)
@@ -36,15 +36,21 @@ class Dataset:
     def groups(self) -> pd.Series:
         """Group of every run, by run id: runs of one group differ in seed and time span alone.
 
-        A group is named by its strategy, and by whatever else differs between the runs of the data set.
+        A group is named by its strategy, or the text of its mix, and by whatever else differs between the runs of the
+        data set; sensing and parameters, between those of that strategy.
         """
         runs = self.runs.set_index("run_id")
         names = runs["strategy"].astype(str)
-        equipped = runs["strategy"] != "none"  # a share of nothing is no difference
+        # A share of nothing is no difference, and a mix says its shares itself.
+        single = (names != "none") & ~names.str.contains("=", regex=False)
         for column in _SETTINGS:
-            rows = equipped if column == "penetration" else pd.Series(True, index=runs.index)
-            if runs.loc[rows, column].nunique(dropna=False) > 1:
-                names = names.where(~rows, names + f", {column} " + runs[column].map(str))
+            values = runs[column].map(str).replace("", "default")
+            if column in {"sensing", "parameters"}:
+                rows = values.groupby(runs["strategy"]).transform("nunique") > 1
+            else:
+                rows = single if column == "penetration" else pd.Series(True, index=runs.index)
+                rows &= values[rows].nunique() > 1
+            names = names.where(~rows, names + f", {column} " + values)
         return names.rename("group")
 
     def only(self, run_ids: pd.Index) -> "Dataset":

@@ -5,6 +5,7 @@ import sys
 import click
 
 import aeb_sumo
+from aeb_sumo.cli.calibrate import calibrate
 from aeb_sumo.cli.drivers import drivers
 from aeb_sumo.cli.ncap import ncap
 from aeb_sumo.cli.reproduce import reproduce
@@ -21,7 +22,7 @@ def cli() -> None:
     """What an automatic emergency brake (AEB) does to real traffic."""
 
 
-for command in (run, compare, tables, drivers, reproduce, ncap):
+for command in (run, compare, tables, drivers, calibrate, reproduce, ncap):
     cli.add_command(command)
 
 

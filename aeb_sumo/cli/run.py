@@ -20,6 +20,7 @@ from aeb_sumo import scenarios, strategies
 from aeb_sumo.cli.options import system_options
 from aeb_sumo.cli.show import print_summary
 from aeb_sumo.drivers import profile
+from aeb_sumo.equipment import Equipment, equipment
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import Results
 from aeb_sumo.simulate import Progress as Step
@@ -33,9 +34,10 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
 @click.command()
 @click.argument("scenario", required=False)
 @click.option("--sumocfg", type=click.Path(path_type=Path), help="Run this SUMO configuration instead of SCENARIO.")
-@click.option("--strategy", default="zhao2025", show_default=True, help="The AEB; none for the baseline.")
+@click.option("--strategy", help="The AEB; none for the baseline. [default: zhao2025]")
 @system_options
-@click.option("--penetration", type=float, default=1.0, show_default=True, help="Share of cars equipped, 0..1.")
+@click.option("--penetration", type=float, help="Share of cars equipped, 0..1. [default: 1]")
+@click.option("--equip", metavar="[KIND:]SYSTEM[/SUITE]=SHARE,...", help="Several AEBs, or shares by vehicle kind.")
 @click.option("--seed", type=click.IntRange(0, 2**31 - 1), help="Of SUMO and of the drivers. [default: the scenario's]")
 @click.option("--duration", type=float, help="Simulated seconds. [default: the scenario's]")
 @click.option("--step-length", type=float, help="Seconds. [default: the scenario's, else 0.1]")
@@ -48,7 +50,10 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
 def run(
     scenario: str | None,
     sumocfg: Path | None,
-    strategy: str,
+    strategy: str | None,
+    sensing: str | None,
+    penetration: float | None,
+    equip: str | None,
     parameters: dict[str, Any],
     drivers: str | None,
     out: str | None,
@@ -58,19 +63,27 @@ def run(
 ) -> int:
     """Simulate SCENARIO with an AEB fleet and print crashes, interventions and throughput.
 
-    SCENARIO is one of highway, track, w0.
+    SCENARIO is one of highway, track, w0. --equip takes the place of --strategy, --sensing and --penetration, for
+    example zhao2025=0.3,yan2025=0.2 or passenger:zhao2025=0.5,truck:zhao2025/radar=0.2; KIND is a vehicle class or a
+    vehicle type, all cars without it. Beside it, --set names the system, too: --set zhao2025.comfort_decel=5.
     """
     chosen = _scenario(scenario, sumocfg, drivers)
-    system = strategies.load(strategy, parameters)
-    if compare and strategy == "none":
+    if equip is None:
+        system = strategies.load("zhao2025" if strategy is None else strategy, parameters)
+        carried = equipment(system, sensing=sensing, penetration=penetration)
+    else:
+        carried = equipment(
+            strategy, sensing=sensing, penetration=penetration, equip=Equipment.parse(equip, parameters)
+        )
+    if compare and not carried.systems:
         raise InputError("--compare needs a --strategy other than none, which is what it compares with")
     folder = None if out is None else _new_folder(out)
     console = Console(stderr=True)
     done: list[Results] = []
     with _interruptible() as stop:
-        for each in (strategies.load("none"), system) if compare else (system,):
-            with _sumo_folder(folder, each.name) as sumo_output, _progress(console, each.name, quiet) as progress:
-                one = simulate(chosen, each, sumo_output=sumo_output, progress=progress, stop=stop, **options)
+        for each in (Equipment(), carried) if compare else (carried,):
+            with _sumo_folder(folder, each.folder) as sumo_output, _progress(console, each.name, quiet) as progress:
+                one = simulate(chosen, equip=each, sumo_output=sumo_output, progress=progress, stop=stop, **options)
             if folder is not None:
                 store.write(one, folder)
             done.append(one)
@@ -111,12 +124,12 @@ def _new_folder(name: str) -> Path:
 
 
 @contextmanager
-def _sumo_folder(out: Path | None, strategy: str) -> Iterator[Path | None]:
+def _sumo_folder(out: Path | None, name: str) -> Iterator[Path | None]:
     """The folder for SUMO's own output files; taken away again when nothing comes of the run."""
     if out is None:
         yield None
         return
-    target = out / "sumo" / strategy
+    target = out / "sumo" / name
     made = [p for p in (target, out / "sumo", out) if not p.exists()]
     try:
         target.mkdir(parents=True, exist_ok=True)

@@ -46,7 +46,7 @@ class Glances:
     median: float = within(0.8, 0.05, 20.0)
     over_two: float = within(0.05, 0.0001, 0.49)
     share: float = within(0.18, 0.0, 0.9)
-    calm_ttc: float = 4.0
+    calm_ttc: float = 8.0
     calm_headway: float = 0.5
     calm_decel: float = 1.0
     calm_lane: float = 500.0

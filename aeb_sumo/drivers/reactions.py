@@ -58,11 +58,14 @@ class Reaction(ABC):
         looming: inverse time to collision from which a threat is noticed [1/s].
         surprise: a vehicle ahead that brakes harder than this takes the driver behind by surprise: he goes on as he is
             until he notices [m/s2]; 0.5 g, our assumption: less is what SUMO's drivers expect of each other.
+        mild: a threat that needs no more deceleration than this when it comes to braking is no emergency: SUMO's
+            driver does what is needed [m/s2]; our assumption. The published parameters are those of emergencies.
     """
 
     model: ClassVar[str]
     looming: float = 0.2
     surprise: float = 0.5 * G
+    mild: float = 3.0
 
     def __post_init__(self) -> None:
         """Raises `InputError` for a parameter out of range."""
@@ -133,6 +136,7 @@ class Careful(Reaction):
 
     Attributes:
         looming: risk is seen at a TTC of 2 s.
+        mild: he always brakes.
         delay: reaction time [s].
         decel: 0.774 g [m/s2].
         jerk: [m/s3].
@@ -140,6 +144,7 @@ class Careful(Reaction):
 
     model: ClassVar[str] = "careful"
     looming: float = 0.5
+    mild: float = 0.0
     delay: float = 0.75
     decel: float = 0.774 * G
     jerk: float = 12.65

@@ -19,6 +19,7 @@ class Action:
     """What one vehicle's AEB does in one step, and why.
 
     Attributes:
+        strategy: its system's name.
         phase: demanded.
         decel: by the AEB's brake, >= 0 [m/s2].
         speed: own [m/s].
@@ -27,6 +28,7 @@ class Action:
         x, y: front bumper [m].
     """
 
+    strategy: str
     phase: int
     decel: float
     speed: float
@@ -90,6 +92,7 @@ class Interventions:
         row = {
             "vehicle": vehicle,
             "vclass": vclass,
+            "strategy": action.strategy,
             "phase": action.phase,
             "target": action.target,
             "target_vclass": action.target_vclass,

@@ -25,15 +25,15 @@ class TrafficBook:
         self._interval = interval
         self._started = begin
         self._sampled = begin
-        self._groups: dict[tuple[str, bool], int] = {}
+        self._groups: dict[tuple[str, str], int] = {}
         self._group: Ints = np.zeros(0, np.int64)
         self._exposure = np.zeros((0, 3))  # vehicles, distance, time
         self._current = np.zeros((0, 5))  # departed, arrived, distance, time, delay
         self.rows: list[dict[str, Any]] = []
 
-    def depart(self, slot: int, *, equipped: bool) -> None:
-        """A vehicle enters."""
-        key = (self._traffic.vclass[slot], equipped)
+    def depart(self, slot: int, strategy: str = "") -> None:
+        """A vehicle enters, with an AEB system or without."""
+        key = (self._traffic.vclass[slot], strategy)
         group = self._groups.setdefault(key, len(self._groups))
         self._group = fitted(self._group, self._traffic.capacity)
         self._exposure = fitted(self._exposure, group + 1)
@@ -103,10 +103,11 @@ class TrafficBook:
         return [
             {
                 "vclass": vclass,
-                "equipped": equipped,
+                "equipped": bool(strategy),
+                "strategy": strategy,
                 "vehicles": int(self._exposure[group, 0]),
                 "distance_m": float(self._exposure[group, 1]),
                 "time_s": float(self._exposure[group, 2]),
             }
-            for (vclass, equipped), group in sorted(self._groups.items())
+            for (vclass, strategy), group in sorted(self._groups.items())
         ]

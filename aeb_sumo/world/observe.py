@@ -21,6 +21,11 @@ class VClasses:
     """Two-wheelers."""
     VULNERABLE = RIDERS | {"pedestrian"}
     """Nobody around them: two-wheelers and pedestrians."""
+    ALL = DRIVEN | RIDERS | {
+        "tram", "rail_urban", "rail", "rail_electric", "rail_fast", "ship", "container", "cable_car", "subway",
+        "aircraft", "wheelchair", "drone", "pedestrian",
+    }  # fmt: skip
+    """All that SUMO knows."""
 
 
 # Masses by class [kg]: car and e-bike from another source (evidence.md, assumption there); the rest our assumption.

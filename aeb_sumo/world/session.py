@@ -152,6 +152,11 @@ class Session:
         )
 
     @property
+    def vehicle_types(self) -> frozenset[str]:
+        """Ids of the vehicle types known so far; SUMO reads routes, and the types among them, a while ahead."""
+        return frozenset(libsumo.vehicletype.getIDList())
+
+    @property
     def exhausted(self) -> bool:
         """No vehicle is or will be in the network."""
         return bool(libsumo.simulation.getMinExpectedNumber() == 0)

@@ -14,9 +14,7 @@ def scenario(request):
 
 @pytest.fixture(scope="module")
 def pair(scenario):
-    return {p: run(scenario, penetration=p, duration=40) for p in (0.0, 1.0)} | {
-        "none": run(scenario, "none", duration=40)
-    }
+    return {1.0: run(scenario, duration=40), "none": run(scenario, "none", duration=40)}
 
 
 def test_tables_have_their_schema(pair):
@@ -29,14 +27,20 @@ def test_every_command_is_executed(pair):
         assert result.runs["override_violations"].item() == 0
 
 
-def test_penetration_0_is_none(pair):
-    """Equipping nobody changes nothing: only the labels differ."""
+ZEROS = [
+    {"penetration": 0.0},
+    {"equip": "zhao2025=0"},
+    {"equip": "zhao2025=0,zhao2025/radar=0,yan2025=0,lin2021=0,truck:staged=0"},
+]
+
+
+@pytest.mark.parametrize("nobody", ZEROS, ids=str)
+def test_equipping_nobody_is_none(scenario, pair, nobody):
+    """It changes nothing: only what `runs` says of the equipment differs."""
+    zero, none = run(scenario, duration=40, **nobody), pair["none"]
     for name in TABLES:
-        zero, none = (
-            r.frame(name).drop(columns=["run_id", "strategy", "sensing", "penetration"], errors="ignore")
-            for r in (pair[0.0], pair["none"])
-        )
-        assert zero.equals(none), name
+        labels = ["run_id"] + (["strategy", "sensing", "penetration"] if name == "runs" else [])
+        assert zero.frame(name).drop(columns=labels).equals(none.frame(name).drop(columns=labels)), name
 
 
 def test_the_same_run_twice_is_the_same(scenario, pair):

@@ -44,6 +44,19 @@ def test_the_same_command_twice_gives_identical_tables(tmp_path):
     assert fingerprint(tmp_path / "a") == fingerprint(tmp_path / "b")
 
 
+def test_a_mix_is_one_run_beside_the_baseline(tmp_path):
+    mix = ("--equip", "zhao2025=0.5,yan2025=0.5", "--set", "zhao2025.comfort_decel=5", "--set", "yan2025.brake.lag=0.2")
+    done = aeb_sumo("run", "track", *mix, "--compare", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    runs = pd.read_parquet(tmp_path / "out" / "runs").set_index("strategy")
+    assert sorted(runs.index) == ["none", "yan2025=0.5,zhao2025=0.5"]
+    row = runs.loc["yan2025=0.5,zhao2025=0.5"]
+    assert row["sensing"] == "fusion+ideal"
+    assert row["parameters"] == "yan2025.brake.lag=0.2 zhao2025.comfort_decel=5.0"
+    assert row["penetration"] == 1
+    assert aeb_sumo("compare", tmp_path / "out").returncode == 0
+
+
 def test_quiet_is_quiet(tmp_path):
     done = aeb_sumo("run", "track", "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -65,6 +78,17 @@ BAD = [
     (("run", "highway", "--magic"), ["--magic", "--penetration"]),
     (("run", "highway", "--penetration", "1.5"), ["penetration", "0..1", "1.5"]),
     (("run", "highway", "--penetration", "nan"), ["penetration", "0..1"]),
+    (("run", "highway", "--equip", "zhao2025=0.8,yan2025=0.5"), ["cars", "1.3", "zhao2025=0.8"]),
+    (("run", "highway", "--equip", "zhao2025=1.5"), ["zhao2025", "0..1", "1.5"]),
+    (("run", "highway", "--equip", "zhao2025=lots"), ["zhao2025", "0..1", "lots"]),
+    (("run", "highway", "--equip", "magic=0.5"), ["magic", "zhao2025"]),
+    (("run", "highway", "--equip", "zhao2025/sonar=0.5"), ["sonar", "radar"]),
+    (("run", "highway", "--equip", "zhao2025"), ["zhao2025", "SYSTEM", "=SHARE"]),
+    (("run", "highway", "--equip", "truk:zhao2025=1"), ["truk", "vehicle type"]),
+    (("run", "highway", "--equip", "zhao2025=1", "--strategy", "yan2025"), ["equip", "strategy"]),
+    (("run", "highway", "--equip", "zhao2025=1", "--penetration", "0.5"), ["equip", "penetration"]),
+    (("run", "highway", "--equip", "zhao2025=1", "--sensing", "radar"), ["equip", "sensing"]),
+    (("run", "highway", "--equip", "zhao2025=1", "--set", "brake.lag=0.2"), ["brake.lag", "zhao2025"]),
     (("run", "highway", "--duration", "-1"), ["duration", "positive", "-1"]),
     (("run", "highway", "--duration", "0"), ["duration", "positive"]),
     (("run", "highway", "--duration", "ten"), ["duration", "ten"]),

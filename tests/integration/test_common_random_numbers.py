@@ -6,6 +6,8 @@ from aeb_sumo import scenarios
 from aeb_sumo.drivers.encounters import FailureToYield, Riders, Warned
 from aeb_sumo.drivers.lapses import Lapses
 from aeb_sumo.drivers.reactions import Looming
+from aeb_sumo.drivers.streams import stream
+from aeb_sumo.equipment import Equipment
 from aeb_sumo.simulate import run
 
 
@@ -42,18 +44,52 @@ def _logged(function, name, log):
 @pytest.mark.parametrize(("name", "duration"), [("highway", 120), ("w0", 200)])
 def test_no_draw_moves(name, duration, drawn):
     seen = {}
-    for strategy, penetration in (("none", 1.0), ("zhao2025", 0.4), ("zhao2025", 1.0)):
+    for equip in (Equipment(), "zhao2025=1", "zhao2025/radar=0.3,yan2025=0.3,truck:staged=0.5"):
         drawn.clear()
-        run(scenarios.load(name), strategy, penetration=penetration, duration=duration)
-        seen[strategy, penetration] = {what: list(draws) for what, draws in drawn.items()}
-    baseline = seen["none", 1.0]
+        run(scenarios.load(name), equip=equip, duration=duration)
+        seen[equip] = {what: list(draws) for what, draws in drawn.items()}
+    baseline = seen.pop(Equipment())
     assert sum(map(len, baseline.values())) > 10
     for other in seen.values():
-        common = baseline.keys() & other.keys()
-        assert len(common) > 0.5 * len(baseline)
-        for what in common:
-            n = min(len(baseline[what]), len(other[what]))
-            assert baseline[what][:n] == other[what][:n]
+        assert_no_draw_moved(baseline, other)
+
+
+def assert_no_draw_moved(one, two):
+    common = one.keys() & two.keys()
+    assert len(common) > 0.5 * len(one)
+    for what in common:
+        n = min(len(one[what]), len(two[what]))
+        assert one[what][:n] == two[what][:n]
+
+
+def test_one_more_equipped_vehicle_changes_nobody_elses_draws_and_systems(drawn, monkeypatch):
+    """The shares differ by so little that one vehicle is between them, and that one's AEB acts."""
+    carried: dict[str, str] = {}
+    following = Equipment.of
+
+    def log_system(self, vehicle, **kind):
+        system = following(self, vehicle, **kind)
+        carried[vehicle] = system.name if system else ""
+        return system
+
+    def ran(share, duration, **watch):
+        drawn.clear()
+        carried.clear()
+        equip = f"lin2021=0.1,zheng2020={share}"
+        result = run(scenarios.load("highway"), equip=equip, duration=duration, seed=1, **watch)
+        return result, {key: list(d) for key, d in drawn.items()}, dict(carried)
+
+    monkeypatch.setattr(Equipment, "of", log_system)
+    ended = [0]
+    everyone, _, _ = ran(0.9, 300, progress=lambda p: ended.append(p.interventions), stop=lambda: ended[-1] > 0)
+    first = everyone.interventions.query("strategy == 'zheng2020'").sort_values("begin_s").iloc[0]
+    share = stream(1, "equip", first["vehicle"]).random() - 0.1
+    span = everyone.runs["end_s"].item() + 5
+    (without, draws, systems), (with_it, other_draws, other_systems) = ran(share - 1e-6, span), ran(share + 1e-6, span)
+    changed = {v: s for v, s in other_systems.items() if systems.get(v, s) != s}
+    assert changed == {first["vehicle"]: "zheng2020"}
+    assert first["vehicle"] in set(with_it.interventions["vehicle"]) - set(without.interventions["vehicle"])
+    assert_no_draw_moved(draws, other_draws)
 
 
 def test_reactions_to_the_same_vehicle_are_the_same_draws(monkeypatch):

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -18,11 +20,18 @@ def data():
         crash = one | {"kind": "rear_end", "impact_speed_mps": 5.0}
         crashes += [crash | {"secondary": k > 0} for k in range(count)]
         exposure.append(one | {"vclass": "passenger", "equipped": strategy != "none", "vehicles": 10})
+        exposure[-1]["strategy"] = strategy.replace("none", "")
         exposure[-1] |= {"distance_m": 1e6, "time_s": 1e5}
         half = one | {"vclass": "passenger", "arrived": 50, "pending": 2}
         half |= {"distance_m": 5e5, "time_s": 5e4, "delay_s": 1e3}
         traffic += [half | {"begin_s": 900.0 * k, "end_s": 900.0 * (k + 1)} for k in (0, 1)]
-    action = {"run_id": "zhao2025-0", "target_kind": "lead", "max_decel_mps2": 6.0, "speed_reduction_mps": 10.0}
+    action = {
+        "run_id": "zhao2025-0",
+        "strategy": "zhao2025",
+        "target_kind": "lead",
+        "max_decel_mps2": 6.0,
+        "speed_reduction_mps": 10.0,
+    }
     interventions = [
         action | {"phase": "partial_brake", "trigger_ttc_s": 1.0},
         action | {"phase": "partial_brake", "trigger_ttc_s": np.inf},
@@ -56,7 +65,7 @@ def test_crash_counts_and_rates(data):
 
 def test_interventions(data):
     assert analysis.intervention_counts(data)["zhao2025"].to_dict() == {"partial_brake": 2, "warn": 1}
-    row = analysis.intervention_statistics(data).loc[("zhao2025", "partial_brake", "lead")]
+    row = analysis.intervention_statistics(data).loc[("zhao2025", "zhao2025", "partial_brake", "lead")]
     assert row["per_1000_km"] == pytest.approx(1.0)
     assert row["trigger_ttc_s_mean"] == 1.0, "an infinite TTC does not count"
 
@@ -84,5 +93,52 @@ def test_compare_names_every_group(data):
 
 def test_runs_of_different_settings_are_different_groups(data):
     runs = data.runs.assign(mu=[0.85, 0.5, 0.85, 0.85])
-    groups = analysis.Dataset(runs, data.crashes, data.interventions, data.exposure, data.traffic).groups()
+    groups = replace(data, runs=runs).groups()
     assert groups.tolist() == ["none, mu 0.85", "none, mu 0.5", "zhao2025, mu 0.85", "zhao2025, mu 0.85"]
+
+
+def conflicts(*rows):
+    """(kind, near_crash, crashed, secondary, TTC, PET) each, and one primary and one secondary rear-end crash."""
+    names = ("kind", "near_crash", "crashed", "secondary", "min_ttc_s", "pet_s")
+    runs = [{"run_id": "a", "strategy": "none", "begin_s": 0.0, "end_s": 1.0}]
+    crash = {"run_id": "a", "kind": "rear_end"}
+    crashes = [
+        crash | {"secondary": False, "struck_death_risk": 0.2, "struck_serious_risk": 0.5},
+        crash | {"secondary": True, "striker_serious_risk": 0.1},
+    ]
+    table = [{"run_id": "a", "exposed_s": 0.5} | dict(zip(names, row, strict=True)) for row in rows]
+    return analysis.Dataset.of(Results.of({"runs": runs, "crashes": crashes, "conflicts": table}))
+
+
+@pytest.fixture
+def encounters():
+    return conflicts(
+        *[("following", True, False, False, 1.0 + k, None) for k in range(9)],
+        ("following", True, False, True, 1.0, None),
+        ("following", False, True, False, 0.0, None),
+        ("crossing", True, False, False, np.inf, 1.2),
+    )
+
+
+def test_near_crashes_per_crash_count_primary_rear_end_ones(encounters):
+    row = analysis.near_crash_ratio(encounters).loc["none"]
+    assert (row["near_crashes"], row["crashes"], row["ratio"]) == (9, 1, 9.0)
+    # Clopper and Pearson for 9 of 10: 0.5550 to 0.9975.
+    assert (row["low"], row["high"]) == pytest.approx((0.55498 / 0.44502, 0.99747 / 0.00253), rel=2e-3)
+
+
+def test_conflicts_by_kind_and_their_distributions(encounters):
+    assert analysis.conflict_counts(encounters)["none"].to_dict() == {"crossing": 1, "following": 11}
+    statistics = analysis.conflict_statistics(encounters).loc["none"]
+    assert statistics.loc[("following", "min_ttc_s"), "count"] == 10, "the crash is left out"
+    assert statistics.loc[("crossing", "min_ttc_s"), "count"] == 0, "an infinite TTC does not count"
+    assert statistics.loc[("crossing", "pet_s"), "50%"] == 1.2
+
+
+def test_summary_has_conflicts_and_what_crashes_do_to_people(encounters):
+    table = analysis.summary(encounters)["none"]
+    assert table["crashes", "expected deaths", "persons"] == 0.2
+    assert table["crashes", "expected seriously injured", "persons"] == 0.6
+    assert table["conflicts", "conflicts", ""] == 12
+    assert table["conflicts", "primary rear-end near-crashes per crash", "1"] == 9.0
+    assert table["conflicts", "time at a TTC below 1.5 s", "s"] == 6.0

@@ -1,0 +1,90 @@
+"""All equipped vehicles of a run, whatever system each of them has: one `Fleet` per system."""
+
+from collections.abc import Mapping
+from functools import reduce
+
+import numpy as np
+
+from aeb_sumo.fleet import Fleet, Target
+from aeb_sumo.lookout import Targets
+from aeb_sumo.soa import Bools, Floats, Ints, fitted, put
+from aeb_sumo.strategies.base import Demand
+
+__all__ = ["Fleets"]
+
+
+class Fleets:
+    """Several fleets side by side, each at work on its own slots; to the rest of a run they are one.
+
+    A slot belongs to one of them at most and means nothing to the others, so what they all say is the sum.
+
+    Args:
+        fleets: by the name of their system, at least one.
+    """
+
+    def __init__(self, fleets: Mapping[str, Fleet]) -> None:
+        self._names = ("", *fleets)
+        self._fleets = tuple(fleets.values())
+        self._which: Ints = np.zeros(0, np.int64)  # per slot, place of its system in `_names`
+
+    @property
+    def equipped(self) -> Bools:
+        """Per slot."""
+        return self._which > 0
+
+    @property
+    def decel(self) -> Floats:
+        """Per slot, mean deceleration by the AEB's brake in the coming step [m/s2]."""
+        return reduce(np.add, (fleet.decel for fleet in self._fleets))
+
+    @property
+    def demand(self) -> Demand:
+        """Per slot, the demand of its strategy in the coming step."""
+        return reduce(_sum, (fleet.demand for fleet in self._fleets))
+
+    def system(self, slot: int) -> str:
+        """Name of the system in a slot; empty without one."""
+        return self._names[int(self._which[slot])]
+
+    def depart(self, slot: int, system: str = "") -> None:
+        """A vehicle enters, with a system or without."""
+        which = self._names.index(system)
+        for place, fleet in enumerate(self._fleets, 1):
+            fleet.depart(slot, equipped=place == which)
+        self._which = fitted(self._which, len(self._fleets[0].equipped))
+        self._which[slot] = which
+
+    def leave(self, slot: int) -> None:
+        """A vehicle is gone."""
+        for fleet in self._fleets:
+            fleet.leave(slot)
+        self._which[slot] = 0
+
+    def step(self, time: float, disabled: Bools) -> None:
+        """See `Fleet.step`."""
+        for fleet in self._fleets:
+            fleet.step(time, disabled)
+
+    def active(self) -> list[tuple[int, Target | None]]:
+        """See `Fleet.active`; in the order of the slots."""
+        return sorted((one for fleet in self._fleets for one in fleet.active()), key=lambda one: one[0])
+
+    def targets(self, slots: Ints) -> Targets:
+        """See `Fleet.targets`."""
+        result = Targets.none(len(slots))
+        for place, fleet in enumerate(self._fleets, 1):
+            own = self._which[slots] == place
+            put(result, own, fleet.targets(slots[own]))
+        return result
+
+    def friction_known(self, slots: Ints) -> Floats:
+        """(n,) friction coefficient as the vehicles in these slots know it; nan without a system."""
+        result = np.full(len(slots), np.nan)
+        for place, fleet in enumerate(self._fleets, 1):
+            own = self._which[slots] == place
+            result[own] = fleet.grip.known(slots[own])
+        return result
+
+
+def _sum(one: Demand, two: Demand) -> Demand:
+    return Demand(phase=one.phase + two.phase, decel=one.decel + two.decel)
