@@ -9,6 +9,7 @@ from aeb_sumo.perception.sensor import covered
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints, joined
 from aeb_sumo.strategies.base import Gaze
+from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.sightlines import Sightlines
@@ -45,15 +46,24 @@ class Candidates:
     Leads are those that SUMO names, if they are where a sensor could see them. Nothing but thin air is between a
     vehicle and the next one on its path, so lines of sight are asked only for crossing traffic. At junctions every pair
     of vehicles is a candidate whose planned paths cross (`Gaze.PATH`) or, for systems that know no paths, every pair
-    there is (`Gaze.RELATIVE_MOTION`); systems for car-following have no eyes for either (`Gaze.LEAD`).
+    there is (`Gaze.RELATIVE_MOTION`); so are, anywhere, persons on foot whose path meets the own one, or who are near.
+    Systems for car-following have no eyes for any of these (`Gaze.LEAD`).
     """
 
     def __init__(
-        self, traffic: Traffic, leads: Leads, paths: Paths, sightlines: Sightlines, suite: Suite, gaze: Gaze
+        self,
+        traffic: Traffic,
+        leads: Leads,
+        paths: Paths,
+        footpaths: Footpaths,
+        sightlines: Sightlines,
+        suite: Suite,
+        gaze: Gaze,
     ) -> None:
         self._traffic = traffic
         self._leads = leads
         self._paths = paths
+        self._footpaths = footpaths
         self._sightlines = sightlines
         self._suite = suite
         self._gaze = gaze
@@ -62,7 +72,11 @@ class Candidates:
         """All pairs of the vehicles in these slots."""
         ego = egos[self._leads.lead[egos] >= 0]
         pairs = self._ahead(ego, self._leads.lead[ego], self._leads.gap[ego])
-        return joined(pairs, self._crossing(*self._at_junctions(egos))) if self._gaze.sees_crossing else pairs
+        if self._gaze.sees_crossing:
+            pairs = joined(pairs, self._crossing(*self._at_junctions(egos)))
+            if len(self._traffic.walkers):
+                pairs = joined(pairs, self._crossing(*self._on_foot(egos)))
+        return pairs
 
     def again(self, ego: Ints, other: Ints, crossing: Bools) -> Pairs:
         """Pairs that are not candidates any more, as the sensors see them now."""
@@ -103,6 +117,12 @@ class Candidates:
         view[view] = self._sightlines.visible(ego[view], other[view])
         gap = np.maximum(zone[:, 0], 0.0) if self._gaze is Gaze.PATH else distance
         return Pairs(ego, other, np.ones(n, np.bool_), gap, view, np.ones(n, np.bool_), zone)
+
+    def _on_foot(self, egos: Ints) -> tuple[Ints, Ints, Floats]:
+        """The same for persons on foot, anywhere."""
+        ego, other, zone = self._footpaths.crossings(egos)
+        met = np.isfinite(zone[:, 0]) | (self._gaze is not Gaze.PATH)
+        return ego[met], other[met], zone[met]
 
     def _at_junctions(self, moving: Ints) -> tuple[Ints, Ints, Floats]:
         """Pairs at junctions: egos, others, (k, 4) distances to where their paths cross, nan where they do not."""

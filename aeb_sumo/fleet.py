@@ -12,6 +12,7 @@ from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
+from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
@@ -52,6 +53,7 @@ class Fleet:
         traffic: Traffic,
         leads: Leads,
         paths: Paths,
+        footpaths: Footpaths,
         sightlines: Sightlines,
         friction: Friction,
         strategy: Strategy,
@@ -63,7 +65,7 @@ class Fleet:
         self._traffic = traffic
         self._friction = friction
         self._strategy = strategy
-        candidates = Candidates(traffic, leads, paths, sightlines, suite, strategy.gaze)
+        candidates = Candidates(traffic, leads, paths, footpaths, sightlines, suite, strategy.gaze)
         self._lookout = Lookout(traffic, candidates, suite, strategy.gaze, sublane=sublane, seed=seed)
         self.grip = Grip(
             traffic, friction, estimates=strategy.estimates_friction, prior=strategy.friction_prior, seed=seed

@@ -24,6 +24,7 @@ from aeb_sumo.scenarios import Scenario
 from aeb_sumo.strategies.base import Strategy
 from aeb_sumo.trace import Recorder, World
 from aeb_sumo.world.buildings import walls
+from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
@@ -33,6 +34,7 @@ from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
 from aeb_sumo.world.sightlines import Sightlines
 from aeb_sumo.world.surroundings import Leads
 from aeb_sumo.world.violations import Violations
+from aeb_sumo.world.walkers import Walkers
 from aeb_sumo.world.wrecks import Crash, Wrecks
 
 __all__ = ["Progress", "run"]
@@ -150,13 +152,15 @@ class _Run:
         self._wrecks = Wrecks(self._traffic, network, session.sublane, blockage)
         self._leads = Leads(self._traffic)
         self._paths = Paths(self._traffic, network)
+        self._walkers = Walkers(self._traffic, network)
         sightlines = Sightlines(self._traffic, walls())
         drivers = scenario.drivers
         self._motorists = Motorists(self._traffic, self._leads, drivers, self._seed)
         self._violations = Violations(
             self._traffic, self._paths, drivers.failure_to_yield, drivers.riders, sightlines, self._seed
         )
-        world = self._traffic, self._leads, self._paths, sightlines, friction
+        footpaths = Footpaths(self._traffic, self._paths, self._walkers)
+        world = self._traffic, self._leads, self._paths, footpaths, sightlines, friction
         self._fleet = Fleets(
             {
                 s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=self._seed)
@@ -205,6 +209,7 @@ class _Run:
         """One walk through the house: observe -> perception -> strategy -> brake -> override -> books."""
         t, time = self._traffic, self._session.time
         t.observe()
+        self._walkers.observe()
         self._override.verify()
         self._comings_and_goings(time)
         for crash in self._wrecks.step(time):

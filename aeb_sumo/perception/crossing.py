@@ -26,9 +26,18 @@ class Zone:
 
 
 def crossing_zone(
-    points: Floats, heading: Floats, other_points: Floats, other_heading: Floats, *, width: float, spacing: float
+    points: Floats,
+    heading: Floats,
+    other_points: Floats,
+    other_heading: Floats,
+    *,
+    width: float,
+    spacing: float,
+    on_foot: bool = False,
 ) -> Zone | None:
     """Where two paths come closer than the vehicles are wide while they differ by more than 30 degrees.
+
+    One who goes the same way is a lead, except on foot: SUMO names no pedestrian as one.
 
     Args:
         points: (n, 2) of the own path [m].
@@ -37,12 +46,15 @@ def crossing_zone(
         other_heading: (m,) of the other's [rad].
         width: half the own plus half the other's width [m].
         spacing: distance between the points of either path [m].
+        on_foot: the other is a pedestrian, who counts whichever way he goes.
 
     Returns:
         The first such zone along the own path; None if there is none.
     """
     apart = np.hypot(*(points[:, None, :] - other_points[None, :, :]).transpose(2, 0, 1))
-    close = (apart < width) & (np.cos(heading[:, None] - other_heading[None, :]) < _SAME_WAY)
+    close = apart < width
+    if not on_foot:
+        close &= np.cos(heading[:, None] - other_heading[None, :]) < _SAME_WAY
     own, other = np.flatnonzero(close.any(1)), np.flatnonzero(close.any(0))
     if not len(own):
         return None

@@ -90,7 +90,7 @@ _CRASHES = _table(
     "One row per crash: the first contact of a pair of vehicles.",
     ("crash_id", "int64", "-", "number within the run, from 0, in the order of time"),
     ("time_s", "float64", "s", "instant of the contact, interpolated inside the step"),
-    ("kind", "string", "-", "`rear_end`, `left_turn_across_path`, `crossing`, `head_on` or `side`"),
+    ("kind", "string", "-", "`rear_end`, `left_turn_across_path`, `crossing`, `head_on`, `side` or `pedestrian`"),
     ("x_m", "float64", "m", "impact point, in the network's coordinates"),
     ("y_m", "float64", "m", "impact point, in the network's coordinates"),
     ("lane", "string", "-", "lane of the struck vehicle's front"),

@@ -134,13 +134,13 @@ def _may_have_touched(t: Traffic, a: Ints, b: Ints) -> Bools:
 
 
 def touching(t: Traffic) -> tuple[Ints, Floats]:
-    """Pairs of vehicles whose boxes touch during the last step.
+    """Pairs of vehicles, or of a vehicle and a walker, whose boxes touch during the last step.
 
     Returns:
         (n, 2) slots, the smaller first, and (n,) instant of the first contact as a fraction of the step. For vehicles
         that jumped there is no motion to sweep: only the end of the step counts, and the instant is 1.
     """
-    rows = t.present
+    rows = np.append(t.present, t.walkers) if len(t.walkers) else t.present
     none = np.zeros((0, 2), np.int64), np.zeros(0)
     if len(rows) < 2:
         return none
@@ -150,7 +150,7 @@ def touching(t: Traffic) -> tuple[Ints, Floats]:
     reach = radius + moved
     pairs = cKDTree(np.column_stack([end.cx, end.cy])).query_pairs(2 * float(reach.max()), output_type="ndarray")
     apart = np.hypot(end.cx[pairs[:, 0]] - end.cx[pairs[:, 1]], end.cy[pairs[:, 0]] - end.cy[pairs[:, 1]])
-    pairs = pairs[apart <= reach[pairs[:, 0]] + reach[pairs[:, 1]]]
+    pairs = pairs[(apart <= reach[pairs[:, 0]] + reach[pairs[:, 1]]) & (pairs.min(axis=1) < len(t.present))]
     if not len(pairs):
         return none
     a, b = rows[pairs[:, 0]], rows[pairs[:, 1]]

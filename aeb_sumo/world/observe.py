@@ -50,6 +50,7 @@ class Traffic:
     Attributes:
         ids, vclass, vtype: per slot, strings.
         slot: vehicle id -> slot.
+        walkers: slots of the persons on foot (`aeb_sumo.world.walkers`); nothing else here is about them.
         present: slots of the vehicles on the network now, in the order of SUMO's list.
         departed, left: slots of vehicles that came and (slots, ids) that went with the last step.
         arrived: ids of vehicles that reached their destination with the last step; others that left were taken away.
@@ -58,7 +59,7 @@ class Traffic:
         speed, accel: [m/s], [m/s2]; the acceleration is that of the last step.
         old_x ... old_speed: the same a step earlier.
         length, width, min_gap, mass: [m], [m], [m], [kg].
-        serial: running number of the vehicle, from 1, which tells it from others that had its slot.
+        serial: running number of the vehicle or walker, from 1, which tells it from others that had its slot.
         vulnerable: a two-wheeler or a pedestrian.
         here: on the network now.
         fresh: no earlier state (just inserted, or back from a teleport): old equals new.
@@ -92,11 +93,13 @@ class Traffic:
         self.vtype: list[str] = []
         self.slot: dict[str, int] = {}
         self.present: Ints = np.zeros(0, np.int64)
+        self.walkers: Ints = np.zeros(0, np.int64)
         self.departed: list[int] = []
         self.left: list[tuple[int, str]] = []
         self.arrived: frozenset[str] = frozenset()
         self.teleports = 0
         self.inserted = 0
+        self._admitted = 0
         self._free: list[int] = []
         self._listed: tuple[str, ...] = ()
         self._away: set[str] = set()
@@ -166,6 +169,17 @@ class Traffic:
                 self.fresh[self.slot[vehicle]] = True
 
     def _admit(self, vehicle: str) -> int:
+        get = libsumo.vehicle
+        vclass, vtype = get.getVehicleClass(vehicle), get.getTypeID(vehicle)
+        slot = self.admit(vehicle, vclass, vtype, length=get.getLength(vehicle), width=get.getWidth(vehicle))
+        self.slot[vehicle] = slot
+        self.min_gap[slot] = get.getMinGap(vehicle)
+        self.departed.append(slot)
+        self.inserted += 1
+        return slot
+
+    def admit(self, name: str, vclass: str, vtype: str, *, length: float, width: float) -> int:
+        """A slot for a new road user of some length and width [m], with all that does not change while it is there."""
         if self._free:
             slot = self._free.pop()
         else:
@@ -173,21 +187,20 @@ class Traffic:
             for names in (self.ids, self.vclass, self.vtype):
                 names.append("")
             if slot >= self.capacity:
-                for name in _ARRAYS:
-                    setattr(self, name, fitted(getattr(self, name), max(64, 2 * slot)))
-        get = libsumo.vehicle
-        self.ids[slot] = vehicle
-        self.vclass[slot] = get.getVehicleClass(vehicle)
-        self.vtype[slot] = get.getTypeID(vehicle)
-        self.slot[vehicle] = slot
-        self.length[slot], self.width[slot] = get.getLength(vehicle), get.getWidth(vehicle)
-        self.min_gap[slot] = get.getMinGap(vehicle)
-        self.mass[slot] = _MASS.get(self.vclass[slot], _CAR_MASS)
-        self.vulnerable[slot] = self.vclass[slot] in VClasses.VULNERABLE
-        self.departed.append(slot)
-        self.inserted += 1
-        self.serial[slot] = self.inserted
+                for array in _ARRAYS:
+                    setattr(self, array, fitted(getattr(self, array), max(64, 2 * slot)))
+        self.ids[slot], self.vclass[slot], self.vtype[slot] = name, vclass, vtype
+        self.length[slot], self.width[slot], self.min_gap[slot] = length, width, 0.0
+        self.mass[slot] = _MASS.get(vclass, _CAR_MASS)
+        self.vulnerable[slot] = vclass in VClasses.VULNERABLE
+        self._admitted += 1
+        self.serial[slot] = self._admitted
         return slot
+
+    def dismiss(self, slot: int) -> None:
+        """The road user in a slot given by `admit` is gone."""
+        self.here[slot] = False
+        self._free.append(slot)
 
     def release_slots(self) -> None:
         """Let the slots in `left` be used again; called when everyone has closed their books on them."""

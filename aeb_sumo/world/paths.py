@@ -1,6 +1,7 @@
 """Where vehicles mean to go: their planned paths through the next junction, and where these cross."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import libsumo
 import numpy as np
@@ -88,6 +89,7 @@ class Paths:
     """
 
     def __init__(self, traffic: Traffic, network: Network) -> None:
+        self._line = cache(self._line_from)
         self._traffic = traffic
         self._network = network
         self._known: dict[tuple[str, Link], Path] = {}
@@ -126,6 +128,28 @@ class Paths:
         second = np.repeat(np.repeat(start, size), each) + np.arange(len(first)) - before
         apart = first != second
         return order[first[apart]], order[second[apart]]
+
+    def ahead(self, slot: int, reach: float, spacing: float) -> Floats:
+        """(n, 2) points `spacing` [m] apart that the front bumper of a vehicle present means to pass, from where it is.
+
+        As far as `reach` [m], or to the end of the lane behind the next junction.
+        """
+        t, vehicle = self._traffic, self._traffic.ids[slot]
+        lane, path = self._current[vehicle]
+        line, along = self._line(lane, path)
+        at = libsumo.vehicle.getLanePosition(vehicle)
+        where = np.arange(at, min(at + reach, along[-1]) + 1e-9, spacing)
+        points = np.column_stack([np.interp(where, along, line[:, k]) for k in (0, 1)])
+        # Who drives beside the middle of his lane goes on doing so.
+        result: Floats = points + (np.array([t.x[slot], t.y[slot]]) - points[:1])
+        return result
+
+    def _line_from(self, lane: str, path: Path | None) -> tuple[Floats, Floats]:
+        """Centre line of a lane and those behind it on a path: (n, 2) points and (n,) distances along it [m]."""
+        lanes = [lane] if path is None or lane not in path.starts else list(path.starts)
+        line = np.vstack([self._network.shape(each) for each in lanes[lanes.index(lane) :]])
+        line = line[np.concatenate([[True], np.hypot(*np.diff(line, axis=0).T) > 1e-6])]
+        return line, np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
     def _near_junctions(self) -> Turns:
         """Vehicles from 60 m before a junction until their tail is out of it, if others cross there."""

@@ -10,11 +10,13 @@ from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.world.contact import Impact, impact, touching
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.walkers import PREFIX, fell
 
 __all__ = ["Crash", "Wrecks"]
 
 _SLIDING = 6.0  # m/s2, deceleration of a wreck, our assumption
 _LEFT = frozenset("lL")
+_STANDS = 0.1  # m/s, a slower vehicle runs nobody down, our assumption
 
 
 @dataclass(frozen=True)
@@ -23,10 +25,10 @@ class Crash:
 
     Attributes:
         impact: instant, point, speeds.
-        kind: `rear_end`, `left_turn_across_path` (one turns left in front of oncoming traffic), `crossing`, `head_on`
-            or `side`.
-        striker, struck: vehicle ids.
-        lane: of the struck vehicle.
+        kind: `rear_end`, `left_turn_across_path` (one turns left in front of oncoming traffic), `crossing`, `head_on`,
+            `side`, or `pedestrian` (a moving vehicle and a person on foot).
+        striker, struck: their names in `Traffic.ids`.
+        lane: of the struck vehicle; of the only one, if one is on foot.
         secondary: one of them had crashed before.
     """
 
@@ -79,6 +81,7 @@ class Wrecks:
     speed: Floats = field(default_factory=lambda: np.zeros(0))
     _pile: dict[str, set[str]] = field(default_factory=dict)  # wreck -> all wrecks it has touched, directly or not
     _until: dict[str, float] = field(default_factory=dict)
+    _touched: dict[tuple[str, str], float] = field(default_factory=dict)  # vehicle and walker -> last time [s]
 
     def step(self, time: float) -> list[Crash]:
         """The crashes of the step that ended at `time` [s]."""
@@ -89,9 +92,10 @@ class Wrecks:
             self._until.pop(vehicle, None)
             self._pile.pop(vehicle, None)
         for collision in libsumo.simulation.getCollisions():
-            pair = _pair(collision.collider, collision.victim)
-            if all(vehicle in t.slot for vehicle in pair):  # SUMO reports persons as well
-                self.reported.setdefault(pair, time)
+            one = self._name(collision.collider, collision.colliderType)
+            other = self._name(collision.victim, collision.victimType)
+            if one and other:
+                self.reported.setdefault(_pair(one, other), time)
         new = []
         pairs, instants = touching(t)
         for k in np.argsort(instants, kind="stable"):
@@ -104,10 +108,21 @@ class Wrecks:
         self.speed = np.maximum(self.speed - _SLIDING * t.dt, 0.0)
         return new
 
+    def _name(self, reported: str, vtype: str) -> str:
+        """Name in `Traffic.ids` of whom SUMO reports, who may be a person; empty for nobody there."""
+        t = self.traffic
+        walks = PREFIX + reported in {t.ids[slot] for slot in t.walkers.tolist()}
+        drives = reported in t.slot
+        if walks and drives:
+            walks = t.vtype[t.slot[reported]] != vtype
+        return PREFIX + reported if walks else reported if drives else ""
+
     def _judge(self, hit: Impact) -> Crash | None:
         t = self.traffic
         striker, struck = t.ids[hit.striker], t.ids[hit.struck]
         pair = _pair(striker, struck)
+        if "pedestrian" in (t.vclass[hit.striker], t.vclass[hit.struck]):
+            return self._run_down(hit)
         if hit.approach <= 0:
             return None
         # Who parks is beside the road, and on no lane.
@@ -124,6 +139,29 @@ class Wrecks:
             self._until[vehicle] = hit.time + self.blockage
         self._slide_together(pair)
         return Crash(hit, self._kind(hit, places), striker, struck, places[1].lanes[0], secondary)
+
+    def _run_down(self, hit: Impact) -> Crash | None:
+        """A vehicle and a person on foot: a crash wherever they touch, if the vehicle moves when they begin to.
+
+        SUMO's persons walk through vehicles that stand in their way, and are inside them when these move on.
+        The person is taken away at once; the vehicle, hardly slowed by him, slides to a stop and stands like any wreck.
+        """
+        t = self.traffic
+        slot, speed, walker = hit.striker, hit.striker_speed, hit.struck
+        if t.vclass[slot] == "pedestrian":
+            slot, speed, walker = hit.struck, hit.struck_speed, hit.striker
+        vehicle, striker, struck = t.ids[slot], t.ids[hit.striker], t.ids[hit.struck]
+        pair = _pair(striker, struck)
+        touched, self._touched[pair] = self._touched.get(pair, -np.inf), hit.time
+        if hit.approach <= 0 or speed <= _STANDS or hit.time - touched < 2 * t.dt:
+            return None
+        secondary = bool(self.wrecked[slot])
+        self.crashed.add(pair)
+        self.speed[slot] = self.speed[slot] if secondary else speed
+        self.wrecked[slot] = True
+        self._until[vehicle] = hit.time + self.blockage
+        fell(t.ids[walker])
+        return Crash(hit, "pedestrian", striker, struck, libsumo.vehicle.getLaneID(vehicle), secondary)
 
     def _slide_together(self, pair: tuple[str, str]) -> None:
         """All wrecks of a pile-up go on with their common momentum: none passes through another."""
