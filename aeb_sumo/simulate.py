@@ -153,7 +153,7 @@ class _Run:
         self._leads = Leads(self._traffic)
         self._paths = Paths(self._traffic, network)
         self._walkers = Walkers(self._traffic, network)
-        sightlines = Sightlines(self._traffic, walls())
+        self._sightlines = sightlines = Sightlines(self._traffic, walls())
         drivers = scenario.drivers
         self._motorists = Motorists(self._traffic, self._leads, drivers, self._seed)
         self._violations = Violations(
@@ -210,6 +210,7 @@ class _Run:
         t, time = self._traffic, self._session.time
         t.observe()
         self._walkers.observe()
+        self._sightlines.step()
         self._override.verify()
         self._comings_and_goings(time)
         for crash in self._wrecks.step(time):

@@ -22,6 +22,11 @@ class Sightlines:
         """`walls`: (m, 4) of `aeb_sumo.world.buildings.walls`."""
         self._traffic = traffic
         self._walls = Screens.of(walls, np.full(len(walls), NOBODY))
+        self._bodies: Screens | None = None
+
+    def step(self) -> None:
+        """The vehicles have moved."""
+        self._bodies = None
 
     def visible(self, ego: Ints, other: Ints, *, setback: float = 0.0) -> Bools:
         """Whether each ego has a free line of sight to its other.
@@ -35,36 +40,29 @@ class Sightlines:
             other: (k,) slots of those they look for.
             setback: how far behind the centre of the front bumper the eye is [m]; 0: a sensor in the bumper.
         """
-        t, unseen = self._traffic, np.arange(len(ego))
-        result = np.zeros(len(ego), np.bool_)
-        if not len(ego):
-            return result
-        eye_x = t.x[ego] - setback * np.cos(t.heading[ego])
-        eye_y = t.y[ego] - setback * np.sin(t.heading[ego])
-        bodies = self._bodies_between(np.append(ego, other))
-        for share in _POINTS:
-            e, o = ego[unseen], other[unseen]
-            back = share * t.length[o]
-            there = t.x[o] - back * np.cos(t.heading[o]), t.y[o] - back * np.sin(t.heading[o])
-            lines, ends = np.column_stack([eye_x[unseen], eye_y[unseen], *there]), np.column_stack([e, o])
-            free = ~hidden(lines, ends, bodies)
-            if len(self._walls.pieces):
-                free[free] = ~hidden(lines[free], ends[free], self._walls)
-            result[unseen[free]] = True
-            unseen = unseen[~free]
-            if not len(unseen):
-                break
-        return result
+        t, k = self._traffic, len(ego)
+        if not k:
+            return np.zeros(0, np.bool_)
+        cos, sin = np.cos(t.heading[other]), np.sin(t.heading[other])
+        back = np.multiply.outer(_POINTS, t.length[other])
+        each = np.empty((len(_POINTS), k, 4))
+        each[..., 0] = t.x[ego] - setback * np.cos(t.heading[ego])
+        each[..., 1] = t.y[ego] - setback * np.sin(t.heading[ego])
+        each[..., 2] = t.x[other] - back * cos
+        each[..., 3] = t.y[other] - back * sin
+        lines = each.reshape(-1, 4)
+        ends = np.tile(np.column_stack([ego, other]), (len(_POINTS), 1))
+        free: Bools = ~hidden(lines, ends, self._bodies_now())
+        if len(self._walls.pieces):
+            free[free] = ~hidden(lines[free], ends[free], self._walls)
+        return np.logical_or.reduce(free.reshape(-1, k))
 
-    def _bodies_between(self, slots: Ints) -> Screens:
-        """The vehicles that may stand between any of these: those within the rectangle around them all."""
-        t, rows = self._traffic, self._traffic.present
-        reach = float(t.length[rows].max(initial=0.0))
-        inside = ~t.vulnerable[rows]
-        for at in (t.x, t.y):
-            inside &= (at[rows] >= at[slots].min() - reach) & (at[rows] <= at[slots].max() + reach)
-        rows = rows[inside]
-        pieces = diagonals(
-            x=t.x[rows], y=t.y[rows], heading=t.heading[rows], length=t.length[rows], width=t.width[rows]
-        )
-        return Screens.of(pieces, np.tile(rows, 2))
+    def _bodies_now(self) -> Screens:
+        if self._bodies is None:
+            t = self._traffic
+            rows = t.present[~t.vulnerable[t.present]]
+            pieces = diagonals(
+                x=t.x[rows], y=t.y[rows], heading=t.heading[rows], length=t.length[rows], width=t.width[rows]
+            )
+            self._bodies = Screens.of(pieces, np.tile(rows, 2))
+        return self._bodies
