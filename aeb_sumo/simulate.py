@@ -102,10 +102,10 @@ def run(
     number = scenario.seed if seed is None else seed
     with tempfile.TemporaryDirectory() as nowhere:
         routes = Path(nowhere) / "vehicles.rou.xml"
-        routes.write_text(scenario.routes, encoding="utf-8")
+        routes.write_text(scenario.vehicles, encoding="utf-8")
         options = [
-            *scenario.options,
-            *(("--route-files", str(routes)) if scenario.routes else ()),
+            *scenario.sumo_options,
+            *(("--route-files", str(routes)) if scenario.vehicles else ()),
             *IMPOSED,
             *(("--step-length", f"{step:g}") if step is not None else ()),
             *(("--seed", str(number)) if number is not None else ()),
