@@ -30,6 +30,7 @@ _CORNER = 2.0  # m, our assumption: from a stop line at least to the edge of the
 _APART = 2.4  # m, our assumption: between the paths of opposing left turns, a car's width and some
 _CAR = 1.82  # m, width of a car, from another source (seeds.md 4.4), for Yan's car
 _CLEAR = 0.3  # m, our assumption: of the oncoming lane, for a car that waits to turn left
+_WAITING = 4.0  # m, our assumption: each of the two sides of a waiting area
 _BUILDING = 40.0  # m, our assumption: how far buildings reach along the arms
 _CHOICES = {"bike_left": ("two_stage", "one_stage", "none")}
 
@@ -161,15 +162,20 @@ class Intersection:
         points = self.turn[0].points(0.1)
         return points[:, 0], points[:, 1]
 
-    @property
-    def waits_at(self) -> float:
-        """How far into its turn a car waits for a gap [m]: its left front corner clear of the oncoming lane."""
+    def waits_at(self, arm: str) -> float:
+        """How far into its turn a car from an arm waits for a gap [m].
+
+        Its left front corner is clear of the oncoming lane; without signals, from the road that has to yield, its front
+        of the road that has priority.
+        """
         forward, left = self._turn
         heading = np.arctan2(np.gradient(left), np.gradient(forward))
-        corner = left + _CAR / 2 * np.cos(heading)
-        limit = self.lane_width / 2 + self.median - _CLEAR
-        # Beyond half of its turn a car stands in the way of others.
-        return round(0.1 * float(min(np.argmax(corner > limit), len(left) // 3)), 1)
+        enters = left + _CAR / 2 * np.cos(heading) > self.lane_width / 2 + self.median - _CLEAR
+        if not self.signal and arm not in self.main:
+            riders = self.stop - self._in_corner if self.bike_left == "two_stage" else 0.0  # on their way to wait
+            enters |= forward > self.stop - max(self.half_width, riders + 0.5) - _CLEAR
+        # Beyond a third of its turn a car stands in the way of others.
+        return round(0.1 * float(min(np.argmax(enters), len(left) // 3)), 1)
 
     @property
     def main(self) -> str:
@@ -191,6 +197,34 @@ class Intersection:
             return [1]
         return list(range(1, alone + 1))
 
+    def right_turn(self, lane: int) -> list[tuple[float, float]]:
+        """Path of a car that turns right, an arc from stop line to stop line, as points for `at` [m]."""
+        aside = self.lane(lane)
+        radius = self.stop - aside
+        bends = [math.radians(9 * k) for k in range(11)]
+        return [(self.stop - radius * math.sin(b), self.stop - radius * math.cos(b)) for b in bends]
+
+    def waiting_area(self, arm: str) -> tuple[tuple[float, float], ...]:
+        """Where riders from an arm wait to turn left in two stages, as points for `at`; none where they do not.
+
+        Where the road ends nobody comes towards them, and they turn in one.
+
+        Straight ahead, in the corner outside of those who turn right out of the crossing road, they come in at the
+        first point, turn at the second and wait at the third to go on with the crossing road.
+        """
+        if self.bike_left != "two_stage" or not {"left", "straight"} <= set(self.movements(arm)):
+            return ()
+        x = y = self.stop - self._in_corner
+        if RIGHT[arm] not in self.arms:  # nobody comes out there: at the edge of the road
+            x, y = self.bike + _WAITING + 1.5, self.bike
+        return (_WAITING - y, x), (-y, x), (-y, x - _WAITING)
+
+    @property
+    def _in_corner(self) -> float:
+        """How far beyond the stop lines' corner waiting areas turn [m]: clear of the outermost right turn."""
+        radius = self.stop - self.lane(1) - _CAR / 2 - 0.7
+        return (math.sqrt(max(2 * radius**2 - _WAITING**2, 0.0)) - _WAITING) / 2
+
     def at(self, arm: str, away: float, aside: float) -> tuple[float, float]:
         """A point `away` from the centre on an arm and `aside` of its middle, right as one comes from it [m]."""
         hx, hy = ARMS[arm]
@@ -201,7 +235,8 @@ class Intersection:
         if not self.setback:
             return {}
         wall, far = self.half_width + self.setback, _BUILDING
-        chamfer = self.stop + self.setback * (math.sqrt(2) - 1)
+        corner = max(self.half_width + self.stop, 2 * (self.stop - self._in_corner) + 2.0)  # x + y
+        chamfer = corner - self.half_width + self.setback * (math.sqrt(2) - 1)
         end = max(far, chamfer + 10.0)
         outlines = {}
         for arm in ARMS:

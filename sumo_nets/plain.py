@@ -2,12 +2,12 @@
 
 Edges are `{arm}i` to the centre `c` and `{arm}o` away from it: lane 0 is the bicycle lane, 1 to n are the car lanes
 from the outermost. With riders against the lane there are `{arm}ci` and `{arm}co` too, on the bicycle lanes of `{arm}o`
-and `{arm}i`.
+and `{arm}i`. Where riders turn left in two stages, those who come from an arm wait on `{arm}lo`, `{arm}li`, which begin
+and end in the centre; SUMO's own indirect left turns do not see the cars that turn left towards them.
 """
 
 import math
 from collections.abc import Iterable
-from itertools import pairwise
 from pathlib import Path
 
 from sumo_nets.intersection import ARMS, LEFT, OPPOSITE, RIGHT, Intersection
@@ -29,7 +29,7 @@ def write(intersection: Intersection, target: Path, name: str) -> None:
     files = {
         "nod": ("nodes", _nodes(it)),
         "edg": ("edges", _edges(it)),
-        "con": ("connections", [_element("connection", row) for row in links] + _prohibitions(it)),
+        "con": ("connections", [_element("connection", row) for row in links] + _prohibitions(it, links)),
         "add": ("additional", _buildings(it)),
     }
     if it.signal:
@@ -51,61 +51,56 @@ def connections(it: Intersection) -> list[Row]:
             ends: Row = {"from": f"{arm}i", "to": f"{to}o"}
             if where != "left":
                 rows.append(ends | {"fromLane": 0, "toLane": 0})
-            elif it.bike_left == "two_stage":
-                path, waits = _two_stages(it)
-                shape = _text(it.at(arm, away, aside) for away, aside in path)
-                rows.append(ends | {"fromLane": 0, "toLane": 0, "indirect": "true", "contPos": waits, "shape": shape})
-            elif it.bike_left == "one_stage":
+            elif it.waiting_area(arm):
+                rows.append({"from": f"{arm}i", "to": f"{arm}lo", "fromLane": 0, "toLane": 0, "keepClear": "false"})
+                rows.append({"from": f"{arm}li", "to": f"{to}o", "fromLane": 0, "toLane": 0})
+            elif it.bike_left != "none":
                 rows.append(ends | {"fromLane": 0, "toLane": 0})
             for lane in it.car_lanes(arm, where):
                 row = ends | {"fromLane": lane, "toLane": lane}
                 if where == "left":
                     path = [it.at(arm, it.stop - forward, it.inner - left) for forward, left in points.tolist()]
-                    row |= {"speed": f"{speed:.2f}", "contPos": it.waits_at, "shape": _text(path)}
+                    row |= {"speed": f"{speed:.2f}", "contPos": it.waits_at(arm), "shape": _text(path)}
                 elif where == "right":
-                    row |= {"contPos": 0}  # at the stop line, for riders beside
+                    path = [it.at(arm, *point) for point in it.right_turn(lane)]
+                    row |= {"contPos": 0, "shape": _text(path)}  # they wait at the stop line for riders beside them
                 rows.append(row)
             if where == "straight" and it.contraflow:
                 rows.append({"from": f"{arm}ci", "to": f"{to}co", "fromLane": 0, "toLane": 0})
     return rows
 
 
-def _prohibitions(it: Intersection) -> list[str]:
-    """Who has to yield where netconvert, which goes by the order of the arms, sees no conflict.
+def _prohibitions(it: Intersection, links: list[Row]) -> list[str]:
+    """Whom to let pass, where netconvert, which goes by the order and the angles of the arms, does not see it.
 
-    Cars that turn right cross the way of riders against the lane on both roads, and in a narrow corner that of riders
-    who turn left in two stages, who in turn cross that of the former.
+    Cars that turn right cross the way of riders against the lane on both roads, and that of riders who come out of a
+    waiting area. Who goes straight on against the lane has the right of way of his road, as others there.
     """
+    ways = {(str(row["from"]), str(row["to"])) for row in links}
     rows = []
-    for arm in (a for a in ARMS if a in it.arms):
-        right, left = RIGHT[arm], LEFT[arm]
-        if _against(it, arm) and left in it.arms:
-            rows.append((f"{OPPOSITE[arm]}ci", f"{arm}co", arm, left))
-        if right not in it.arms:
-            continue
-        if _against(it, right):
-            rows.append((f"{right}ci", f"{OPPOSITE[right]}co", arm, right))
-        if _against(it, arm):
-            rows.append((f"{OPPOSITE[arm]}ci", f"{arm}co", arm, right))
-        if it.bike_left == "two_stage" and {OPPOSITE[right], OPPOSITE[arm]} <= set(it.arms):
-            rows.append((f"{OPPOSITE[right]}i", f"{OPPOSITE[arm]}o", arm, right))
-    return [f'<prohibition prohibitor="{a}-&gt;{b}" prohibited="{c}i-&gt;{d}o"/>' for a, b, c, d in rows]
+    for prohibitor, beyond in sorted(ways):
+        arm, kind = prohibitor[0], prohibitor[1:]
+        for prohibited, to in sorted(ways):
+            other, turn = prohibited[0], _turn(prohibited, to)
+            if kind == "ci":
+                crosses = turn == "right" and arm in (OPPOSITE[other], to[0])
+                crosses |= turn == "left" and arm in (OPPOSITE[other], other)
+                along = to[0] if prohibited.endswith("li") else other
+                crosses |= not it.signal and turn == "straight" and arm in it.main and along not in it.main
+            else:
+                crosses = kind == "li" and turn == "right" and (other, to[0]) == (OPPOSITE[beyond[0]], OPPOSITE[arm])
+            if crosses:
+                rows.append(
+                    f'<prohibition prohibitor="{prohibitor}-&gt;{beyond}" prohibited="{prohibited}-&gt;{to}"/>'
+                )
+    return rows
 
 
-def _two_stages(it: Intersection) -> tuple[list[tuple[float, float]], float]:
-    """Path of a rider who turns left with the crossing road, `away` and `aside` as in `Intersection.at`.
-
-    Straight on, then aside to where those who go straight on pass, and round into the crossing road's bicycle lane.
-
-    Returns:
-        The path, and how far into it he waits [m].
-    """
-    a, box, radius = it.bike, 2.5, 1.5
-    first = [(it.stop, a), (6.0 - a, a), (4.5 - a, a + 0.4), (2.5 - a, a + box - 0.4), (radius - a, a + box)]
-    bend = [math.radians(d) for d in (30, 60, 90)]
-    second = [(radius - a - radius * math.sin(b), a + box - radius * (1 - math.cos(b))) for b in bend]
-    waits = sum(math.dist(p, q) for p, q in pairwise(first))
-    return [*first, *second, (-a, -it.stop)], round(waits, 2)
+def _turn(begin: str, to: str) -> str:
+    """`left`, `right` or `straight`, which is also who goes to a waiting area or on from there."""
+    if begin[1:] != "i" or to[1:] != "o":
+        return "straight"
+    return {LEFT[begin[0]]: "left", RIGHT[begin[0]]: "right"}.get(to[0], "straight")
 
 
 def _nodes(it: Intersection) -> list[str]:
@@ -121,6 +116,9 @@ def _nodes(it: Intersection) -> list[str]:
             for suffix, side in (("ci", -1), ("co", 1)):
                 x, y = it.at(arm, it.arm_length, side * it.bike)
                 rows.append(f'<node id="{arm}{suffix}" x="{x:.3f}" y="{y:.3f}"/>')
+        if it.waiting_area(arm):
+            x, y = it.at(arm, *it.waiting_area(arm)[1])
+            rows.append(f'<node id="{arm}l" x="{x:.3f}" y="{y:.3f}"/>')
     return rows
 
 
@@ -128,7 +126,7 @@ def _edges(it: Intersection) -> list[str]:
     rows = []
     far, near = it.arm_length, it.stop
     for arm in (a for a in ARMS if a in it.arms):
-        major = 2 if it.signal or arm in it.main else 1
+        major, crossing = (2 if it.signal or a in it.main else 1 for a in (arm, LEFT[arm]))
         for out in (False, True):
             side = -1 if out else 1
             ends = (near, far) if out else (far, near)
@@ -154,6 +152,13 @@ def _edges(it: Intersection) -> list[str]:
                     _edge(it, arm, "co" if out else "ci", 1, major)
                     + f'shape="{fan}"><lane index="0" allow="bicycle" width="{it.bike_lane:g}" shape="{line}"/></edge>'
                 )
+        if it.waiting_area(arm):
+            begin, corner, end = (it.at(arm, *point) for point in it.waiting_area(arm))
+            for suffix, line in (("lo", (begin, corner)), ("li", (corner, end))):
+                rows.append(
+                    _edge(it, arm, suffix, 1, crossing)
+                    + f'allow="bicycle" width="{min(it.bike_lane, 1.5):g}" shape="{_text(line)}"/>'
+                )
     return rows
 
 
@@ -163,7 +168,7 @@ def _against(it: Intersection, arm: str) -> bool:
 
 
 def _edge(it: Intersection, arm: str, suffix: str, lanes: int, priority: int) -> str:
-    outer = arm if len(suffix) == 1 else arm + suffix
+    outer = {"i": arm, "o": arm, "li": f"{arm}l", "lo": f"{arm}l"}.get(suffix, arm + suffix)
     ends = ("c", outer) if suffix.endswith("o") else (outer, "c")
     return (
         f'<edge id="{arm}{suffix}" from="{ends[0]}" to="{ends[1]}" numLanes="{lanes}" speed="{it.speed_limit:g}" '
@@ -173,14 +178,16 @@ def _edge(it: Intersection, arm: str, suffix: str, lanes: int, priority: int) ->
 
 def _signal(it: Intersection, links: list[Row]) -> list[str]:
     """Two phases, one per axis; who turns may go when there is nobody to yield to."""
-    second = {index: len(links) + k for k, index in enumerate(i for i, row in enumerate(links) if "indirect" in row)}
     states = {}
     for axis in ("ns", "ew"):
         letters = []
         for row in links:
-            arm, to = str(row["from"])[0], str(row["to"])[0]
-            letters.append("r" if arm not in axis else "G" if to == OPPOSITE[arm] else "g")
-        letters += ["G" if str(links[index]["to"])[0] in axis else "r" for index in second]
+            begin, to = str(row["from"]), str(row["to"])
+            if begin.endswith("li"):  # with the crossing road
+                letters.append("g" if to[0] in axis else "r")
+            else:
+                straight = to[0] == OPPOSITE[begin[0]] or to.endswith("lo")
+                letters.append("r" if begin[0] not in axis else "G" if straight else "g")
         states[axis] = "".join(letters)
     clear = max(1.0, math.ceil(2 * it.stop / _RIDER) - _YELLOW)
     rows = ['<tlLogic id="c" type="static" programID="0" offset="0">']
@@ -191,8 +198,7 @@ def _signal(it: Intersection, links: list[Row]) -> list[str]:
     rows.append("</tlLogic>")
     for index, row in enumerate(links):
         ends = {k: row[k] for k in ("from", "to", "fromLane", "toLane")}
-        more = {"linkIndex2": second[index]} if index in second else {}
-        rows.append(_element("connection", ends | {"tl": "c", "linkIndex": index} | more))
+        rows.append(_element("connection", ends | {"tl": "c", "linkIndex": index}))
     return rows
 
 

@@ -86,7 +86,8 @@ class Demand:
     Attributes:
         flow: road users per hour, all arms together, our assumption.
         ebike_share: of them on e-bikes.
-        main_share: of both kinds on the road that goes through (of two, that from north to south).
+        main_share: of both kinds on the road that goes through (of two, that from north to south), where there are
+            four arms; of three, the one that ends has half of the rest.
         left: share of cars that turn left; far above life, so that a short run has conflicts.
         right: share of cars that turn right.
         rider_left: share of riders who turn left.
@@ -113,13 +114,12 @@ class Demand:
             if total > 1 + 1e-9:
                 raise InputError(f"Demand: {' + '.join(names)} must be 1 or less, not {total:g}")
 
-    def flows(self, intersection: Intersection) -> dict[str, tuple[str, tuple[str, str], float]]:
-        """Flow -> type, the two edges of its route, vehicles per second."""
-        result: dict[str, tuple[str, tuple[str, str], float]] = {}
+    def flows(self, intersection: Intersection) -> dict[str, tuple[str, tuple[str, ...], float]]:
+        """Flow -> type, the edges of its route, vehicles per second."""
+        result: dict[str, tuple[str, tuple[str, ...], float]] = {}
+        weights = {a: self.main_share if a in intersection.main else 1 - self.main_share for a in intersection.arms}
         for arm in (a for a in ARMS if a in intersection.arms):
-            main = arm in intersection.main
-            peers = sum((a in intersection.main) == main for a in intersection.arms)
-            rate = self.flow / 3600 * (self.main_share if main else 1 - self.main_share) / peers
+            rate = self.flow / 3600 * weights[arm] / max(sum(weights.values()), 1e-9)
             for kind, share, split in (
                 ("car", 1 - self.ebike_share, self._cars(intersection, arm)),
                 ("ebike", self.ebike_share, self._riders(intersection, arm)),
@@ -129,8 +129,11 @@ class Demand:
                     against = "c" if way == "against" else ""
                     to = {"left": LEFT, "right": RIGHT}.get(way, OPPOSITE)[arm]
                     name = f"{kind}_{arm}{to}" + ("_against" if against else "")
+                    staged = kind == "ebike" and way == "left" and intersection.waiting_area(arm)
+                    waits = (f"{arm}lo", f"{arm}li") if staged else ()
                     if rate * share * weight > 0:
-                        result[name] = kind, (f"{arm}{against}i", f"{to}{against}o"), rate * share * weight / total
+                        edges = (f"{arm}{against}i", *waits, f"{to}{against}o")
+                        result[name] = kind, edges, rate * share * weight / total
         return result
 
     def _cars(self, intersection: Intersection, arm: str) -> dict[str, float]:
