@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from sumo_nets.turning_path import TurningPath, turning_path
 
-__all__ = ["ARMS", "LEFT", "OPPOSITE", "RIGHT", "Intersection"]
+__all__ = ["AGAINST", "ARMS", "LEFT", "OPPOSITE", "RIGHT", "Intersection"]
 
 ARMS = {"s": (0, 1), "w": (1, 0), "n": (0, -1), "e": (-1, 0)}
 """Arm -> heading of who comes from it."""
@@ -25,6 +25,9 @@ RIGHT = {to: arm for arm, to in LEFT.items()}
 """Arm -> where a right turn leads."""
 OPPOSITE = {"s": "n", "n": "s", "e": "w", "w": "e"}
 """Arm -> where straight on leads."""
+
+AGAINST = 1.0
+"""Width of the edge of the road that riders against the lane keep to [m], our assumption: they pass the others."""
 
 _CORNER = 2.0  # m, our assumption: from a stop line at least to the edge of the crossing road
 _APART = 2.4  # m, our assumption: between the paths of opposing left turns, a car's width and some
@@ -56,7 +59,7 @@ class Intersection:
         signal: traffic lights; without, the road that goes through has priority (of two, that from north to south).
         green: of each of the two phases [s], our assumption; left turns are permissive.
         bike_left: riders turn left in two stages (straight on, then with the crossing road), in one, or not at all.
-        contraflow: riders go straight on against their lane too.
+        contraflow: riders go straight on against their lane too, along the edge of the road.
         setback: of the buildings at the corners, from the edge of the road [m]; 0 for no buildings.
     """
 
@@ -136,12 +139,17 @@ class Intersection:
     @property
     def bike(self) -> float:
         """From the middle of the road to that of the bicycle lane [m]."""
-        return self.half_width - self.bike_lane / 2
+        return self.median / 2 + self.lanes * self.lane_width + self.separation + self.bike_lane / 2
+
+    @property
+    def against(self) -> float:
+        """From the middle of the road to where riders against the lane ride, beyond the bicycle lane [m]."""
+        return self.bike + (self.bike_lane + AGAINST) / 2
 
     @property
     def half_width(self) -> float:
         """From the middle of the road to its edge [m]."""
-        return self.median / 2 + self.lanes * self.lane_width + self.separation + self.bike_lane
+        return self.bike + self.bike_lane / 2 + AGAINST * self.contraflow
 
     def lane(self, index: int) -> float:
         """From the middle of the road to that of a lane [m]: 0 is the bicycle lane, 1 the outermost for cars."""
@@ -216,7 +224,7 @@ class Intersection:
             return ()
         x = y = self.stop - self._in_corner
         if RIGHT[arm] not in self.arms:  # nobody comes out there: at the edge of the road
-            x, y = self.bike + _WAITING + 1.5, self.bike
+            x, y = self.half_width + _WAITING, self.bike
         return (_WAITING - y, x), (-y, x), (-y, x - _WAITING)
 
     @property

@@ -1,8 +1,8 @@
 """Writes an `Intersection` as plain XML for netconvert, with its signal and its buildings.
 
 Edges are `{arm}i` to the centre `c` and `{arm}o` away from it: lane 0 is the bicycle lane, 1 to n are the car lanes
-from the outermost. With riders against the lane there are `{arm}ci` and `{arm}co` too, on the bicycle lanes of `{arm}o`
-and `{arm}i`. Where riders turn left in two stages, those who come from an arm wait on `{arm}lo`, `{arm}li`, which begin
+from the outermost. With riders against the lane there are `{arm}ci` and `{arm}co` too, beyond the bicycle lanes of
+`{arm}o` and `{arm}i`. Where riders turn left in two stages, those who come from an arm wait on `{arm}lo`, `{arm}li`, which begin
 and end in the centre; SUMO's own indirect left turns do not see the cars that turn left towards them.
 """
 
@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable
 from pathlib import Path
 
-from sumo_nets.intersection import ARMS, LEFT, OPPOSITE, RIGHT, Intersection
+from sumo_nets.intersection import AGAINST, ARMS, LEFT, OPPOSITE, RIGHT, Intersection
 
 __all__ = ["connections", "write"]
 
@@ -52,7 +52,9 @@ def connections(it: Intersection) -> list[Row]:
             if where != "left":
                 rows.append(ends | {"fromLane": 0, "toLane": 0})
             elif it.waiting_area(arm):
-                rows.append({"from": f"{arm}i", "to": f"{arm}lo", "fromLane": 0, "toLane": 0, "keepClear": "false"})
+                path = ((it.stop, it.bike), (it.stop - 4.0, it.bike), it.waiting_area(arm)[0])
+                shape: Row = {"shape": _text(it.at(arm, *point) for point in path), "keepClear": "false"}
+                rows.append({"from": f"{arm}i", "to": f"{arm}lo", "fromLane": 0, "toLane": 0} | shape)
                 rows.append({"from": f"{arm}li", "to": f"{to}o", "fromLane": 0, "toLane": 0})
             elif it.bike_left != "none":
                 rows.append(ends | {"fromLane": 0, "toLane": 0})
@@ -74,7 +76,8 @@ def _prohibitions(it: Intersection, links: list[Row]) -> list[str]:
     """Whom to let pass, where netconvert, which goes by the order and the angles of the arms, does not see it.
 
     Cars that turn right cross the way of riders against the lane on both roads, and that of riders who come out of a
-    waiting area. Who goes straight on against the lane has the right of way of his road, as others there.
+    waiting area, as do riders on their way there. Who goes straight on against the lane has the right of way of his
+    road, as others there.
     """
     ways = {(str(row["from"]), str(row["to"])) for row in links}
     rows = []
@@ -85,6 +88,7 @@ def _prohibitions(it: Intersection, links: list[Row]) -> list[str]:
             if kind == "ci":
                 crosses = turn == "right" and arm in (OPPOSITE[other], to[0])
                 crosses |= turn == "left" and arm in (OPPOSITE[other], other)
+                crosses |= to.endswith("lo") and arm == OPPOSITE[other]
                 along = to[0] if prohibited.endswith("li") else other
                 crosses |= not it.signal and turn == "straight" and arm in it.main and along not in it.main
             else:
@@ -107,6 +111,9 @@ def _nodes(it: Intersection) -> list[str]:
     ring = []
     for arm in "senw":
         ring += [it.at(arm, it.stop if arm in it.arms else it.half_width, side * it.half_width) for side in (-1, 1)]
+        if {arm, RIGHT[arm]} <= set(it.arms) and it.waiting_area(LEFT[arm]):
+            begin, _, end = it.waiting_area(LEFT[arm])  # netconvert cuts edges off where they enter the junction
+            ring += [it.at(LEFT[arm], *begin), it.at(LEFT[arm], *end)]
     kind = "traffic_light" if it.signal else "priority"
     rows = [f'<node id="c" x="0" y="0" type="{kind}" shape="{_text(ring)}"/>']
     for arm in (a for a in ARMS if a in it.arms):
@@ -114,7 +121,7 @@ def _nodes(it: Intersection) -> list[str]:
         rows.append(f'<node id="{arm}" x="{x:g}" y="{y:g}"/>')
         if _against(it, arm):
             for suffix, side in (("ci", -1), ("co", 1)):
-                x, y = it.at(arm, it.arm_length, side * it.bike)
+                x, y = it.at(arm, it.arm_length, side * it.against)
                 rows.append(f'<node id="{arm}{suffix}" x="{x:.3f}" y="{y:.3f}"/>')
         if it.waiting_area(arm):
             x, y = it.at(arm, *it.waiting_area(arm)[1])
@@ -143,21 +150,22 @@ def _edges(it: Intersection) -> list[str]:
                 + f'shape="{_text(it.at(arm, away, side * middle) for away in ends)}">{"".join(lanes)}</edge>'
             )
             if _against(it, arm):
-                line = _text(it.at(arm, away, -side * it.bike) for away in ends)
+                line = _text(it.at(arm, away, -side * it.against) for away in ends)
                 # netconvert tells by the edges' angles, 10 m from the junction, who lies beside whom: these lie outside of
                 # all others, but not so much that it would take straight on for a turn.
-                bulge = ((near, it.bike), (near + 10.0, it.bike + _BULGE), (far, it.bike + _BULGE))
+                bulge = ((near, it.against), (near + 10.0, it.against + _BULGE), (far, it.against + _BULGE))
                 fan = _text(it.at(arm, away, -side * aside) for away, aside in (bulge if out else bulge[::-1]))
                 rows.append(
                     _edge(it, arm, "co" if out else "ci", 1, major)
-                    + f'shape="{fan}"><lane index="0" allow="bicycle" width="{it.bike_lane:g}" shape="{line}"/></edge>'
+                    + f'shape="{fan}"><lane index="0" allow="bicycle" width="{AGAINST:g}" shape="{line}"/></edge>'
                 )
         if it.waiting_area(arm):
             begin, corner, end = (it.at(arm, *point) for point in it.waiting_area(arm))
             for suffix, line in (("lo", (begin, corner)), ("li", (corner, end))):
                 rows.append(
                     _edge(it, arm, suffix, 1, crossing)
-                    + f'allow="bicycle" width="{min(it.bike_lane, 1.5):g}" shape="{_text(line)}"/>'
+                    + f'shape="{_text(line)}"><lane index="0" allow="bicycle" width="{min(it.bike_lane, 1.5):g}" '
+                    f'shape="{_text(line)}"/></edge>'
                 )
     return rows
 
@@ -186,7 +194,7 @@ def _signal(it: Intersection, links: list[Row]) -> list[str]:
             if begin.endswith("li"):  # with the crossing road
                 letters.append("g" if to[0] in axis else "r")
             else:
-                straight = to[0] == OPPOSITE[begin[0]] or to.endswith("lo")
+                straight = to[0] == OPPOSITE[begin[0]] or (to.endswith("lo") and not it.contraflow)
                 letters.append("r" if begin[0] not in axis else "G" if straight else "g")
         states[axis] = "".join(letters)
     clear = max(1.0, math.ceil(2 * it.stop / _RIDER) - _YELLOW)
