@@ -180,7 +180,7 @@ class Intersection:
         heading = np.arctan2(np.gradient(left), np.gradient(forward))
         enters = left + _CAR / 2 * np.cos(heading) > self.lane_width / 2 + self.median - _CLEAR
         if not self.signal and arm not in self.main:
-            riders = self.stop - self._in_corner if self.bike_left == "two_stage" else 0.0  # on their way to wait
+            riders = self._waiting_corner if self.bike_left == "two_stage" else 0.0  # on their way to wait
             enters |= forward > self.stop - max(self.half_width, riders + 0.5) - _CLEAR
         # Beyond a third of its turn a car stands in the way of others.
         return round(0.1 * float(min(np.argmax(enters), len(left) // 3)), 1)
@@ -222,16 +222,17 @@ class Intersection:
         """
         if self.bike_left != "two_stage" or not {"left", "straight"} <= set(self.movements(arm)):
             return ()
-        x = y = self.stop - self._in_corner
+        x = y = self._waiting_corner
         if RIGHT[arm] not in self.arms:  # nobody comes out there: at the edge of the road
             x, y = self.half_width + _WAITING, self.bike
         return (_WAITING - y, x), (-y, x), (-y, x - _WAITING)
 
     @property
-    def _in_corner(self) -> float:
-        """How far beyond the stop lines' corner waiting areas turn [m]: clear of the outermost right turn."""
+    def _waiting_corner(self) -> float:
+        """Outer coordinates of the waiting areas [m]: clear of the roads and of the outermost right turn."""
         radius = self.stop - self.lane(1) - _CAR / 2 - 0.7
-        return (math.sqrt(max(2 * radius**2 - _WAITING**2, 0.0)) - _WAITING) / 2
+        clear = (math.sqrt(max(2 * radius**2 - _WAITING**2, 0.0)) - _WAITING) / 2
+        return max(self.stop - clear, self.half_width + _WAITING + 0.5)
 
     def at(self, arm: str, away: float, aside: float) -> tuple[float, float]:
         """A point `away` from the centre on an arm and `aside` of its middle, right as one comes from it [m]."""
@@ -243,7 +244,7 @@ class Intersection:
         if not self.setback:
             return {}
         wall, far = self.half_width + self.setback, _BUILDING
-        corner = max(self.half_width + self.stop, 2 * (self.stop - self._in_corner) + 2.0)  # x + y
+        corner = max(self.half_width + self.stop, 2 * self._waiting_corner)  # x + y
         chamfer = corner - self.half_width + self.setback * (math.sqrt(2) - 1)
         end = max(far, chamfer + 10.0)
         outlines = {}

@@ -52,7 +52,8 @@ def connections(it: Intersection) -> list[Row]:
             if where != "left":
                 rows.append(ends | {"fromLane": 0, "toLane": 0})
             elif it.waiting_area(arm):
-                path = ((it.stop, it.bike), (it.stop - 4.0, it.bike), it.waiting_area(arm)[0])
+                away, aside = it.waiting_area(arm)[0]
+                path = ((it.stop, it.bike), (away + 1.3 * (aside - it.bike), it.bike), (away, aside))
                 shape: Row = {"shape": _text(it.at(arm, *point) for point in path), "keepClear": "false"}
                 rows.append({"from": f"{arm}i", "to": f"{arm}lo", "fromLane": 0, "toLane": 0} | shape)
                 rows.append({"from": f"{arm}li", "to": f"{to}o", "fromLane": 0, "toLane": 0})

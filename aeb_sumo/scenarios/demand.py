@@ -17,9 +17,9 @@ LATERAL_RESOLUTION = 0.35
 
 CAR = (
     '<vType id="car" vClass="passenger" length="4.6" width="1.82" speedFactor="normc(0.9,0.1,0.6,1.2)" '
-    'latAlignment="center" lcSublane="0"/>'
+    'latAlignment="center" lcSublane="0" lcSpeedGain="0" lcKeepRight="0"/>'
 )
-"""Yan's car (seeds.md 4.4), in the middle of its lane; its speed factor is our assumption."""
+"""Yan's car (seeds.md 4.4), which stays in the middle of its lane; its speed factor is our assumption."""
 
 _TYPES = 20  # e-bike types with a speed each; SUMO itself knows normal distributions of speed only
 
@@ -40,7 +40,10 @@ class Rider:
         emergency_decel: [m/s2], our assumption.
         lateral_gap: to who is beside [m], our assumption.
         lateral_speed: of moving aside [m/s], our assumption.
-        alignment: where in the lane, in SUMO's words; "center", our assumption: the offset of Table 1 is to its middle.
+        alignment: where in the lane, in SUMO's words; "arbitrary", our assumption: where they happen to ride, which is
+            on average the middle.
+        overtaking: eagerness to pass others in the lane (SUMO's lcSpeedGain and lcSublane); 0, our assumption: SUMO's
+            riders touch those whom they pass.
     """
 
     speed: float = within(17.1 * KMH, 0.5, 20.0)
@@ -48,13 +51,14 @@ class Rider:
     max_speed: float = within(25.0 * KMH, 0.5, 30.0)
     length: float = within(1.8, 0.5, 4.0)
     width: float = within(0.7, 0.2, 2.0)
-    min_gap: float = within(0.5, 0.0, 5.0)
+    min_gap: float = within(1.0, 0.0, 5.0)
     accel: float = within(1.2, 0.1, 5.0)
     decel: float = within(3.0, 0.5, 9.0)
     emergency_decel: float = within(6.0, 0.5, 12.0)
     lateral_gap: float = within(0.3, 0.0, 2.0)
     lateral_speed: float = within(0.5, 0.1, 3.0)
-    alignment: str = "center"
+    alignment: str = "arbitrary"
+    overtaking: float = within(0.0, 0.0, 100.0)
 
     def __post_init__(self) -> None:
         """Raises `InputError` for a number that is out of range."""
@@ -73,7 +77,8 @@ class Rider:
             f'vClass="bicycle" length="{self.length:g}" width="{self.width:g}" minGap="{self.min_gap:g}" '
             f'accel="{self.accel:g}" decel="{self.decel:g}" emergencyDecel="{self.emergency_decel:g}" '
             f'speedFactor="1" speedDev="0" desiredMaxSpeed="{max(13.89, self.max_speed):g}" '
-            f'latAlignment="{self.alignment}" minGapLat="{self.lateral_gap:g}" maxSpeedLat="{self.lateral_speed:g}"'
+            f'latAlignment="{self.alignment}" minGapLat="{self.lateral_gap:g}" maxSpeedLat="{self.lateral_speed:g}" '
+            f'lcSpeedGain="{self.overtaking:g}" lcSublane="{self.overtaking:g}"'
         )
         rows = [f'<vType id="ebike_{k:02}" maxSpeed="{v:.3f}" {same}/>' for k, v in enumerate(self.speeds())]
         return "\n    ".join(['<vTypeDistribution id="ebike">', *("    " + row for row in rows), "</vTypeDistribution>"])
@@ -154,11 +159,12 @@ class Demand:
 def routes(intersection: Intersection, demand: Demand) -> str:
     """The traffic as a SUMO route file; random intervals (Poisson), so that memory does not grow with the duration."""
     flows = demand.flows(intersection)
+    aside = {"car": "", "ebike": ' departPosLat="random"'}
     lines = [CAR, demand.rider.types()]
     lines += [f'<route id="{name}" edges="{" ".join(edges)}"/>' for name, (_, edges, _) in flows.items()]
     lines += [
         f'<flow id="{name}" type="{kind}" route="{name}" begin="0" end="86400" period="exp({rate:.7f})" '
-        'departLane="best" departSpeed="desired"/>'
+        f'departLane="best" departSpeed="desired"{aside[kind]}/>'
         for name, (kind, _, rate) in flows.items()
     ]
     return "\n".join(["<routes>", *("    " + line for line in lines), "</routes>", ""])
