@@ -54,7 +54,6 @@ def convert(folder: Path, name: str) -> Path:
     return net
 
 
-
 if __name__ == "__main__":
     for each in sys.argv[1:] or sumo_nets.names():
         print(build(each, sumo_nets.folder(each)))

@@ -9,6 +9,7 @@ left turns only and the outermost for right turns too.
 import math
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +39,8 @@ _BUILDING = 40.0  # m, our assumption: how far buildings reach along the arms
 _CHOICES = {"bike_left": ("two_stage", "one_stage", "none")}
 
 
-def _within(default: float, low: float, high: float) -> float:
-    return field(default=default, metadata={"range": (low, high)})  # type: ignore[no-any-return]
+def _within(default: float, low: float, high: float) -> Any:
+    return field(default=default, metadata={"range": (low, high)})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +65,7 @@ class Intersection:
     """
 
     arms: str = "nesw"
-    lanes: int = _within(1, 1, 4)  # type: ignore[assignment]
+    lanes: int = _within(1, 1, 4)
     lane_width: float = _within(2.8, 2.5, 4.0)
     bike_lane: float = _within(1.2, 0.8, 5.0)
     median: float = _within(0.0, 0.0, 30.0)
@@ -183,7 +184,7 @@ class Intersection:
             riders = self._waiting_corner if self.bike_left == "two_stage" else 0.0  # on their way to wait
             enters |= forward > self.stop - max(self.half_width, riders + 0.5) - _CLEAR
         # Beyond a third of its turn a car stands in the way of others.
-        return round(0.1 * float(min(np.argmax(enters), len(left) // 3)), 1)
+        return round(0.1 * min(int(np.argmax(enters)), len(left) // 3), 1)
 
     @property
     def main(self) -> str:

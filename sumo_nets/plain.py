@@ -2,8 +2,8 @@
 
 Edges are `{arm}i` to the centre `c` and `{arm}o` away from it: lane 0 is the bicycle lane, 1 to n are the car lanes
 from the outermost. With riders against the lane there are `{arm}ci` and `{arm}co` too, beyond the bicycle lanes of
-`{arm}o` and `{arm}i`. Where riders turn left in two stages, those who come from an arm wait on `{arm}lo`, `{arm}li`, which begin
-and end in the centre; SUMO's own indirect left turns do not see the cars that turn left towards them.
+`{arm}o` and `{arm}i`. Where riders turn left in two stages, those who come from an arm wait on `{arm}lo`, `{arm}li`,
+which begin and end in the centre; SUMO's own indirect left turns do not see the cars that turn left towards them.
 """
 
 import math
@@ -53,8 +53,8 @@ def connections(it: Intersection) -> list[Row]:
                 rows.append(ends | {"fromLane": 0, "toLane": 0})
             elif it.waiting_area(arm):
                 away, aside = it.waiting_area(arm)[0]
-                path = ((it.stop, it.bike), (away + 1.3 * (aside - it.bike), it.bike), (away, aside))
-                shape: Row = {"shape": _text(it.at(arm, *point) for point in path), "keepClear": "false"}
+                way = ((it.stop, it.bike), (away + 1.3 * (aside - it.bike), it.bike), (away, aside))
+                shape: Row = {"shape": _text(it.at(arm, *point) for point in way), "keepClear": "false"}
                 rows.append({"from": f"{arm}i", "to": f"{arm}lo", "fromLane": 0, "toLane": 0} | shape)
                 rows.append({"from": f"{arm}li", "to": f"{to}o", "fromLane": 0, "toLane": 0})
             elif it.bike_left != "none":
@@ -95,9 +95,7 @@ def _prohibitions(it: Intersection, links: list[Row]) -> list[str]:
             else:
                 crosses = kind == "li" and turn == "right" and (other, to[0]) == (OPPOSITE[beyond[0]], OPPOSITE[arm])
             if crosses:
-                rows.append(
-                    f'<prohibition prohibitor="{prohibitor}-&gt;{beyond}" prohibited="{prohibited}-&gt;{to}"/>'
-                )
+                rows.append(f'<prohibition prohibitor="{prohibitor}-&gt;{beyond}" prohibited="{prohibited}-&gt;{to}"/>')
     return rows
 
 
@@ -137,23 +135,22 @@ def _edges(it: Intersection) -> list[str]:
         major, crossing = (2 if it.signal or a in it.main else 1 for a in (arm, LEFT[arm]))
         for out in (False, True):
             side = -1 if out else 1
-            ends = (near, far) if out else (far, near)
+            along = (near, far) if out else (far, near)
             lanes = []
             for index in range(it.lanes + 1):
-                line = _text(it.at(arm, away, side * it.lane(index)) for away in ends)
-                rule, width = (
-                    ('allow="bicycle"', it.bike_lane) if index == 0 else ('disallow="bicycle pedestrian"', it.lane_width)
-                )
+                line = _text(it.at(arm, away, side * it.lane(index)) for away in along)
+                rule = 'disallow="bicycle pedestrian"' if index else 'allow="bicycle"'
+                width = it.lane_width if index else it.bike_lane
                 lanes.append(f'<lane index="{index}" {rule} width="{width:g}" shape="{line}"/>')
             middle = (it.median / 2 + it.half_width) / 2
             rows.append(
                 _edge(it, arm, "o" if out else "i", it.lanes + 1, major)
-                + f'shape="{_text(it.at(arm, away, side * middle) for away in ends)}">{"".join(lanes)}</edge>'
+                + f'shape="{_text(it.at(arm, away, side * middle) for away in along)}">{"".join(lanes)}</edge>'
             )
             if _against(it, arm):
-                line = _text(it.at(arm, away, -side * it.against) for away in ends)
-                # netconvert tells by the edges' angles, 10 m from the junction, who lies beside whom: these lie outside of
-                # all others, but not so much that it would take straight on for a turn.
+                line = _text(it.at(arm, away, -side * it.against) for away in along)
+                # netconvert tells by the edges' angles, 10 m from the junction, who lies beside whom: these lie outside
+                # of all others, but not so much that it would take straight on for a turn.
                 bulge = ((near, it.against), (near + 10.0, it.against + _BULGE), (far, it.against + _BULGE))
                 fan = _text(it.at(arm, away, -side * aside) for away, aside in (bulge if out else bulge[::-1]))
                 rows.append(
@@ -162,11 +159,10 @@ def _edges(it: Intersection) -> list[str]:
                 )
         if it.waiting_area(arm):
             begin, corner, end = (it.at(arm, *point) for point in it.waiting_area(arm))
-            for suffix, line in (("lo", (begin, corner)), ("li", (corner, end))):
+            for suffix, ends in (("lo", (begin, corner)), ("li", (corner, end))):
                 rows.append(
                     _edge(it, arm, suffix, 1, crossing)
-                    + f'shape="{_text(line)}"><lane index="0" allow="bicycle" width="{min(it.bike_lane, 1.5):g}" '
-                    f'shape="{_text(line)}"/></edge>'
+                    + f'allow="bicycle" width="{min(it.bike_lane, 1.5):g}" shape="{_text(ends)}"/>'
                 )
     return rows
 

@@ -5,6 +5,7 @@ import sys
 import click
 
 import aeb_sumo
+from aeb_sumo.cli.intersection import intersection
 from aeb_sumo.cli.ncap import ncap
 from aeb_sumo.cli.reproduce import reproduce
 from aeb_sumo.cli.run import run
@@ -20,7 +21,7 @@ def cli() -> None:
     """What an automatic emergency brake (AEB) does to real traffic."""
 
 
-for command in (run, compare, tables, reproduce, ncap):
+for command in (run, compare, tables, reproduce, ncap, intersection):
     cli.add_command(command)
 
 

@@ -17,7 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 import analysis
 from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
-from aeb_sumo.cli.options import system_options
+from aeb_sumo.cli.options import scenario_options, system_options
 from aeb_sumo.cli.show import print_summary
 from aeb_sumo.drivers.errors import PROFILES
 from aeb_sumo.errors import InputError
@@ -35,6 +35,7 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
 @click.option("--sumocfg", type=click.Path(path_type=Path), help="Run this SUMO configuration instead of SCENARIO.")
 @click.option("--strategy", default="zhao2025", show_default=True, help="The AEB; none for the baseline.")
 @system_options
+@scenario_options
 @click.option("--penetration", type=float, default=1.0, show_default=True, help="Share of cars equipped, 0..1.")
 @click.option("--seed", type=click.IntRange(0, 2**31 - 1), help="Of SUMO and of the drivers. [default: the scenario's]")
 @click.option("--duration", type=float, help="Simulated seconds. [default: the scenario's]")
@@ -51,6 +52,7 @@ def run(
     strategy: str,
     parameters: dict[str, Any],
     drivers: str | None,
+    variation: dict[str, Any],
     out: str | None,
     compare: bool,
     quiet: bool,
@@ -58,9 +60,9 @@ def run(
 ) -> int:
     """Simulate SCENARIO with an AEB fleet and print crashes, interventions and throughput.
 
-    SCENARIO is one of highway, track, w0.
+    SCENARIO is one of 221, 321, 322, 601, b2, highway, track, w0, w1, w2, w2t.
     """
-    chosen = _scenario(scenario, sumocfg, drivers)
+    chosen = _scenario(scenario, sumocfg, drivers).varied(**variation)
     system = strategies.load(strategy, parameters)
     if compare and strategy == "none":
         raise InputError("--compare needs a --strategy other than none, which is what it compares with")

@@ -11,7 +11,7 @@ import pyarrow as pa
 
 __all__ = ["SCHEMA_VERSION", "TABLES", "Column", "Table"]
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 DType = Literal["string", "int64", "float64", "bool"]
 
@@ -61,6 +61,9 @@ _RUNS = _table(
     ("step_length_s", "float64", "s", "step of the simulation"),
     ("begin_s", "float64", "s", "simulated time at the start"),
     ("end_s", "float64", "s", "simulated time reached"),
+    ("demand", "float64", "-", "factor on all flows of the scenario"),
+    ("ebike_share", "float64", "-", "of the road users; null where the scenario does not have it as a parameter"),
+    ("weather", "string", "-", "`dry` or `wet`, as asked for; empty where nothing was said of it"),
     ("mu", "float64", "-", "friction coefficient of the road, where nothing else is said of it"),
     ("blockage_s", "float64", "s", "how long crashed vehicles stand before they leave"),
     ("outcome", "string", "-", "`completed`, `interrupted` (by the user) or `failed` (SUMO gave up)"),
@@ -86,6 +89,7 @@ _CRASHES = _table(
     ("crash_id", "int64", "-", "number within the run, from 0, in the order of time"),
     ("time_s", "float64", "s", "instant of the contact, interpolated inside the step"),
     ("kind", "string", "-", "`rear_end`, `left_turn_across_path`, `crossing`, `head_on` or `side`"),
+    ("typology", "string", "-", "of a car and a two-wheeler: `221`, `321`, `322` or `601` (GDV catalogue); else empty"),
     ("x_m", "float64", "m", "impact point, in the network's coordinates"),
     ("y_m", "float64", "m", "impact point, in the network's coordinates"),
     ("lane", "string", "-", "lane of the struck vehicle's front"),

@@ -1,6 +1,5 @@
 """What a scenario is."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -8,6 +7,7 @@ import numpy as np
 import sumo_nets
 from aeb_sumo.drivers.errors import Errors
 from aeb_sumo.errors import InputError
+from aeb_sumo.registry import registered
 from aeb_sumo.scenarios.demand import LATERAL_RESOLUTION, Demand, routes
 from aeb_sumo.world.friction import MU_RANGE, Stretch
 from sumo_nets.intersection import Intersection
@@ -79,7 +79,6 @@ class Scenario:
         ebike_share: float | None = None,
         weather: str | None = None,
         mu: float | None = None,
-        with_share: Callable[[], tuple[str, ...]] = tuple,
     ) -> "Scenario":
         """The scenario with another demand, share of e-bikes, weather or friction; None leaves what there is.
 
@@ -88,7 +87,6 @@ class Scenario:
             ebike_share: of the road users.
             weather: one of `WEATHER`.
             mu: friction coefficient of the road; wins over that of the weather.
-            with_share: names of the scenarios that have a share of e-bikes, for the message.
 
         Raises:
             InputError: one is out of range, or the scenario has no share of e-bikes to change.
@@ -100,8 +98,9 @@ class Scenario:
             new = replace(new, scale=new.scale * demand)
         if ebike_share is not None:
             if new.demand is None:
-                there = ", ".join(with_share())
-                raise InputError(f"{self.name} has no share of e-bikes to set{there and f'; these have: {there}'}")
+                known = registered(__package__, "SCENARIO").values()
+                there = ", ".join(s.name for s in known if s.demand is not None)
+                raise InputError(f"{self.name} has no share of e-bikes to set; these have: {there}")
             new = replace(new, demand=replace(new.demand, ebike_share=ebike_share))
         if weather is not None:
             if weather not in WEATHER:

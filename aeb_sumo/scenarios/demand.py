@@ -81,7 +81,9 @@ class Rider:
             f'lcSpeedGain="{self.overtaking:g}" lcSublane="{self.overtaking:g}"'
         )
         rows = [f'<vType id="ebike_{k:02}" maxSpeed="{v:.3f}" {same}/>' for k, v in enumerate(self.speeds())]
-        return "\n    ".join(['<vTypeDistribution id="ebike">', *("    " + row for row in rows), "</vTypeDistribution>"])
+        return "\n    ".join(
+            ['<vTypeDistribution id="ebike">', *("    " + row for row in rows), "</vTypeDistribution>"]
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""W0 (Yan et al. 2025, Table 1): a two-way intersection without median, one car lane each way; some drivers who turn left overlook e-bikes."""
+"""W0 (Yan et al. 2025, Table 1): no median, one car lane each way; left-turning drivers overlook e-bikes."""
 
 from aeb_sumo.drivers.errors import Errors, FailureToYield
 from aeb_sumo.scenarios.base import at_intersection

@@ -1,4 +1,4 @@
-"""W2 (Yan et al. 2025, Table 1): no median, three car lanes each way; some drivers who turn left overlook e-bikes."""
+"""W2 (Yan et al. 2025, Table 1): no median, three car lanes each way; left-turning drivers overlook e-bikes."""
 
 from aeb_sumo.drivers.errors import Errors, FailureToYield
 from aeb_sumo.scenarios.base import at_intersection

@@ -1,7 +1,7 @@
 """Writes the plain-XML sources of `w2`, type W2 of Yan et al. 2025, Table 1.
 
-No median, three oncoming lanes: a = 11.7 m = 1.5 + 3 x 3.0 + 0.3 (green strip) + 0.9. The widths are our assumption;
-their sum is printed ("average width", read as this offset in shared/seeds.md 4.1).
+No median, three oncoming lanes: a = 11.7 m = 1.5 + 3 x 3.0 + 0.3 (green strip) + 0.9.
+The widths are our assumption; a is printed ("average width", read as this offset in shared/seeds.md 4.1).
 
     python -m sumo_nets.build w2
 """
