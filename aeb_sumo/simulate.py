@@ -108,10 +108,10 @@ def run(
     number = scenario.seed if seed is None else seed
     with tempfile.TemporaryDirectory() as nowhere:
         routes = Path(nowhere) / "vehicles.rou.xml"
-        routes.write_text(scenario.routes, encoding="utf-8")
+        routes.write_text(scenario.vehicles, encoding="utf-8")
         options = [
-            *scenario.options,
-            *(("--route-files", str(routes)) if scenario.routes else ()),
+            *scenario.sumo_options,
+            *(("--route-files", str(routes)) if scenario.vehicles else ()),
             *IMPOSED,
             *(("--step-length", f"{step:g}") if step is not None else ()),
             *(("--seed", str(number)) if number is not None else ()),
@@ -269,6 +269,7 @@ class _Run:
                 "crash_id": len(self._crashes),
                 "time_s": hit.time,
                 "kind": crash.kind,
+                "typology": crash.typology,
                 "x_m": hit.x,
                 "y_m": hit.y,
                 "lane": crash.lane,
@@ -344,6 +345,9 @@ class _Run:
             "step_length_s": session.dt,
             "begin_s": session.begin,
             "end_s": session.time,
+            "demand": self._scenario.scale,
+            "ebike_share": self._scenario.demand.ebike_share if self._scenario.demand else np.nan,
+            "weather": self._scenario.weather,
             "mu": self._scenario.mu,
             "blockage_s": self._blockage,
             "outcome": outcome,

@@ -1,7 +1,7 @@
 """Builds the networks from their plain-XML sources: `python -m sumo_nets.build [NAME ...]`.
 
 Each folder holds `{name}.netccfg`, the netconvert configuration that makes `{name}.net.xml`, and, where the sources
-are computed, a `sources.py` with `write(target)`. Needs netconvert (PyPI `eclipse-sumo`, part of the `dev` extra); the
+are computed, a `sources.py` with `write(target)`. Needs netconvert (PyPI `eclipse-sumo`, extras `nets` and `dev`); the
 built nets are committed, so running the platform does not.
 """
 
@@ -14,11 +14,27 @@ from pathlib import Path
 
 import sumo_nets
 
-__all__ = ["build"]
+__all__ = ["build", "convert"]
 
 
 def build(name: str, target: Path) -> Path:
     """Build network `name` in the folder `target` from the sources of its own folder.
+
+    Returns:
+        The built net, as `convert` does, with what it raises.
+    """
+    source = sumo_nets.folder(name)
+    if target != source:
+        for pattern in ("*.netccfg", "*.nod.xml", "*.edg.xml", "*.con.xml", "*.tll.xml"):
+            for path in source.glob(pattern):
+                shutil.copy(path, target)
+    if (source / "sources.py").exists():
+        importlib.import_module(f"sumo_nets.{name}.sources").write(target)
+    return convert(target, name)
+
+
+def convert(folder: Path, name: str) -> Path:
+    """Run netconvert on `{name}.netccfg` in a folder.
 
     Returns:
         The built net. Its header comment (date, command line) is left out, so that equal sources give equal files.
@@ -29,18 +45,11 @@ def build(name: str, target: Path) -> Path:
     """
     netconvert = shutil.which("netconvert") or shutil.which("netconvert", path=str(Path(sys.executable).parent))
     if netconvert is None:
-        raise FileNotFoundError("netconvert is not installed: pip install 'aeb-sumo[dev]'")
-    source = sumo_nets.folder(name)
-    if target != source:
-        for pattern in ("*.netccfg", "*.nod.xml", "*.edg.xml", "*.con.xml"):
-            for path in source.glob(pattern):
-                shutil.copy(path, target)
-    if (source / "sources.py").exists():
-        importlib.import_module(f"sumo_nets.{name}.sources").write(target)
+        raise FileNotFoundError("netconvert is not installed: pip install 'aeb-sumo[nets]'")
     subprocess.run(  # noqa: S603 - our own configuration file
-        [netconvert, "-c", f"{name}.netccfg"], cwd=target, check=True, capture_output=True, text=True
+        [netconvert, "-c", f"{name}.netccfg"], cwd=folder, check=True, capture_output=True, text=True
     )
-    net = target / f"{name}.net.xml"
+    net = folder / f"{name}.net.xml"
     net.write_text(re.sub(r"<!--.*?-->\s*", "", net.read_text(encoding="utf-8"), flags=re.S), encoding="utf-8")
     return net
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["YAN_TABLE_3", "TurningPath"]
+__all__ = ["YAN_TABLE_3", "TurningPath", "turning_path"]
 
 _FINE = 0.005  # m, integration step: the end point is then exact to well below a millimetre
 
@@ -50,6 +50,11 @@ class TurningPath:
         at = np.append(np.arange(0.0, total - spacing / 2, spacing), total)
         return np.column_stack([np.interp(at, s, fine[:, 0]), np.interp(at, s, fine[:, 1])])
 
+    @property
+    def reach(self) -> float:
+        """How far ahead of its beginning the turn ends [m]."""
+        return float(self.points(2.0)[-1, 0])
+
 
 YAN_TABLE_3: dict[int, TurningPath] = {
     10: TurningPath(r_turn=10, clothoid_angle=20.65, arc_angle=48.62),
@@ -57,3 +62,28 @@ YAN_TABLE_3: dict[int, TurningPath] = {
     30: TurningPath(r_turn=29, clothoid_angle=22.92, arc_angle=44.08),
 }
 """Speed [km/h] -> path, as printed. The 20 km/h row turns 90.12 deg, the others 89.92."""
+
+
+def turning_path(radius: float) -> tuple[TurningPath, float]:
+    """A left turn by 90 deg and the speed of cars on it.
+
+    Args:
+        radius: of its arc [m], within the radii of `YAN_TABLE_3`.
+
+    Returns:
+        The path, and the speed [m/s]. For a radius of Table 3 both are as printed; in between the clothoid's angle and
+        the speed are interpolated and the arc fills up to 90 deg, our assumption.
+
+    Raises:
+        ValueError: the radius is outside Table 3.
+    """
+    rows = sorted((path.r_turn, speed) for speed, path in YAN_TABLE_3.items())
+    if not rows[0][0] <= radius <= rows[-1][0]:
+        raise ValueError(f"turn_radius must be within {rows[0][0]:g} .. {rows[-1][0]:g} m, not {radius:g}")
+    radii = [r for r, _ in rows]
+    speed = float(np.interp(radius, radii, [v for _, v in rows])) / 3.6
+    for path in YAN_TABLE_3.values():
+        if path.r_turn == radius:
+            return path, speed
+    clothoid = float(np.interp(radius, radii, [YAN_TABLE_3[v].clothoid_angle for _, v in rows]))
+    return TurningPath(r_turn=radius, clothoid_angle=clothoid, arc_angle=90.0 - 2 * clothoid), speed

@@ -7,6 +7,7 @@ import click
 import aeb_sumo
 from aeb_sumo.cli.calibrate import calibrate
 from aeb_sumo.cli.drivers import drivers
+from aeb_sumo.cli.intersection import intersection
 from aeb_sumo.cli.ncap import ncap
 from aeb_sumo.cli.reproduce import reproduce
 from aeb_sumo.cli.run import run
@@ -22,7 +23,7 @@ def cli() -> None:
     """What an automatic emergency brake (AEB) does to real traffic."""
 
 
-for command in (run, compare, tables, drivers, calibrate, reproduce, ncap):
+for command in (run, compare, tables, drivers, calibrate, intersection, reproduce, ncap):
     cli.add_command(command)
 
 

@@ -10,7 +10,7 @@ import click
 from aeb_sumo.parameters import parse, read_file
 from aeb_sumo.perception.suites import SUITES, suite
 
-__all__ = ["system_options"]
+__all__ = ["scenario_options", "system_options"]
 
 C = TypeVar("C", bound=Callable[..., Any])
 
@@ -33,3 +33,25 @@ def system_options(command: C) -> C:
         return command(*args, sensing=sensing, parameters=parameters, **options)
 
     return with_system  # type: ignore[return-value]
+
+
+def scenario_options(command: C) -> C:
+    """Adds `--demand`, `--ebike-share`, `--weather` and `--mu`; the command gets `variation`, for `Scenario.varied`."""
+
+    @click.option("--demand", type=float, help="Factor on all flows. [default: 1]")
+    @click.option("--ebike-share", type=float, help="Share of e-bikes, 0..1. [default: the scenario's]")
+    @click.option("--weather", help="dry or wet: the friction of the road. [default: the scenario's]")
+    @click.option("--mu", type=float, help="Friction coefficient of the road; wins over --weather.")
+    @wraps(command)
+    def with_variation(
+        *args: Any,
+        demand: float | None,
+        ebike_share: float | None,
+        weather: str | None,
+        mu: float | None,
+        **options: Any,
+    ) -> Any:
+        variation = {"demand": demand, "ebike_share": ebike_share, "weather": weather, "mu": mu}
+        return command(*args, variation=variation, **options)
+
+    return with_variation  # type: ignore[return-value]

@@ -17,7 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 import analysis
 from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
-from aeb_sumo.cli.options import system_options
+from aeb_sumo.cli.options import scenario_options, system_options
 from aeb_sumo.cli.show import print_summary
 from aeb_sumo.drivers import profile
 from aeb_sumo.equipment import Equipment, equipment
@@ -38,6 +38,7 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
 @system_options
 @click.option("--penetration", type=float, help="Share of cars equipped, 0..1. [default: 1]")
 @click.option("--equip", metavar="[KIND:]SYSTEM[/SUITE]=SHARE,...", help="Several AEBs, or shares by vehicle kind.")
+@scenario_options
 @click.option("--seed", type=click.IntRange(0, 2**31 - 1), help="Of SUMO and of the drivers. [default: the scenario's]")
 @click.option("--duration", type=float, help="Simulated seconds. [default: the scenario's]")
 @click.option("--step-length", type=float, help="Seconds. [default: the scenario's, else 0.1]")
@@ -56,6 +57,7 @@ def run(
     equip: str | None,
     parameters: dict[str, Any],
     drivers: str | None,
+    variation: dict[str, Any],
     out: str | None,
     compare: bool,
     quiet: bool,
@@ -63,11 +65,13 @@ def run(
 ) -> int:
     """Simulate SCENARIO with an AEB fleet and print crashes, interventions and throughput.
 
-    SCENARIO is one of highway, track, w0. --equip takes the place of --strategy, --sensing and --penetration, for
-    example zhao2025=0.3,yan2025=0.2 or passenger:zhao2025=0.5,truck:zhao2025/radar=0.2; KIND is a vehicle class or a
-    vehicle type, all cars without it. Beside it, --set names the system, too: --set zhao2025.comfort_decel=5.
+    SCENARIO is one of 221, 321, 322, 601, b2, highway, track, w0, w1, w2, w2t.
+
+    --equip takes the place of --strategy, --sensing and --penetration, for example zhao2025=0.3,yan2025=0.2 or
+    passenger:zhao2025=0.5,truck:zhao2025/radar=0.2; KIND is a vehicle class or a vehicle type, all cars without it.
+    Beside it, --set names the system, too: --set zhao2025.comfort_decel=5.
     """
-    chosen = _scenario(scenario, sumocfg, drivers)
+    chosen = _scenario(scenario, sumocfg, drivers).varied(**variation)
     if equip is None:
         system = strategies.load("zhao2025" if strategy is None else strategy, parameters)
         carried = equipment(system, sensing=sensing, penetration=penetration)

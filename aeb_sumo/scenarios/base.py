@@ -1,13 +1,21 @@
 """What a scenario is."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 import sumo_nets
 from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.errors import InputError
+from aeb_sumo.registry import registered
+from aeb_sumo.scenarios.demand import LATERAL_RESOLUTION, Demand, routes
 from aeb_sumo.world.friction import MU_RANGE, Stretch
+from sumo_nets.intersection import Intersection
 
-__all__ = ["Scenario", "on_network"]
+__all__ = ["WEATHER", "Scenario", "at_intersection", "on_network"]
+
+WEATHER = {"dry": 0.85, "wet": 0.5}
+"""Weather -> friction coefficient of the road, from another source (Zhao et al. 2025, 3.1 and 3.2)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +29,10 @@ class Scenario:
         mu: friction coefficient of the road; 0.85 dry asphalt, from another source (Zhao et al. 2025, 3.1).
         stretches: pieces of road that have another.
         routes: content of a SUMO route file, for scenarios that bring their vehicles as text; empty for none.
+        demand: the traffic at `intersection`, which is then what `routes` would be; None for scenarios without.
+        intersection: where `demand` goes.
+        scale: factor on all flows.
+        weather: that `mu` stands for, one of `WEATHER`; empty where nothing is said of it.
         seed: of SUMO and of the drivers; None leaves SUMO's own default or what `options` say.
         step_length: [s]; None leaves it to `options`.
         duration: [s]; None runs until the end that `options` set, or until all vehicles have arrived.
@@ -33,6 +45,10 @@ class Scenario:
     mu: float = 0.85
     stretches: tuple[Stretch, ...] = ()
     routes: str = ""
+    demand: Demand | None = None
+    intersection: Intersection | None = None
+    scale: float = 1.0
+    weather: str = ""
     seed: int | None = 1
     step_length: float | None = 0.1
     duration: float | None = 600.0
@@ -43,8 +59,86 @@ class Scenario:
         if not MU_RANGE[0] <= self.mu <= MU_RANGE[1]:
             raise InputError("friction of {} must be within {} .. {}, not {:g}".format(self.name, *MU_RANGE, self.mu))
 
+    @property
+    def vehicles(self) -> str:
+        """Content of the SUMO route file that the scenario brings as text; empty for none."""
+        if self.demand is None or self.intersection is None:
+            return self.routes
+        return routes(self.intersection, replace(self.demand, flow=self.demand.flow * self.scale))
+
+    @property
+    def sumo_options(self) -> tuple[str, ...]:
+        """`options`, and what the other fields make of SUMO's."""
+        own = self.demand is not None or self.scale == 1
+        return self.options if own else (*self.options, "--scale", f"{self.scale:g}")
+
+    def varied(
+        self,
+        *,
+        demand: float | None = None,
+        ebike_share: float | None = None,
+        weather: str | None = None,
+        mu: float | None = None,
+    ) -> "Scenario":
+        """The scenario with another demand, share of e-bikes, weather or friction; None leaves what there is.
+
+        Args:
+            demand: factor on all flows.
+            ebike_share: of the road users.
+            weather: one of `WEATHER`.
+            mu: friction coefficient of the road; wins over that of the weather.
+
+        Raises:
+            InputError: one is out of range, or the scenario has no share of e-bikes to change.
+        """
+        new = self
+        if demand is not None:
+            if not 0 < demand < np.inf:
+                raise InputError(f"demand must be a positive factor, not {demand:g}")
+            new = replace(new, scale=new.scale * demand)
+        if ebike_share is not None:
+            if new.demand is None:
+                known = registered(__package__, "SCENARIO").values()
+                there = ", ".join(s.name for s in known if s.demand is not None)
+                raise InputError(f"{self.name} has no share of e-bikes to set; these have: {there}")
+            new = replace(new, demand=replace(new.demand, ebike_share=ebike_share))
+        if weather is not None:
+            if weather not in WEATHER:
+                raise InputError(f"weather must be one of {', '.join(WEATHER)}, not {weather!r}")
+            new = replace(new, weather=weather, mu=WEATHER[weather])
+        return new if mu is None else replace(new, mu=mu)
+
 
 def on_network(name: str) -> tuple[str, ...]:
     """SUMO options for one of the networks of `sumo_nets` and the traffic that lies beside it."""
     folder = sumo_nets.folder(name)
     return ("--net-file", str(folder / f"{name}.net.xml"), "--route-files", str(folder / f"{name}.rou.xml"))
+
+
+def at_intersection(
+    name: str, intersection: Intersection, demand: Demand, drivers: Profile, *, net: str = "", duration: float = 1800.0
+) -> Scenario:
+    """A scenario at one of the intersections of `sumo_nets`.
+
+    Args:
+        name: of the scenario.
+        intersection: what the net was built from.
+        demand: its traffic.
+        drivers: what they do wrong.
+        net: name of the network; that of the scenario by default.
+        duration: [s].
+    """
+    files = sumo_nets.folder(net or name) / (net or name)
+    return Scenario(
+        name=name,
+        # A wreck in the middle of the junction can lock up everyone around it; SUMO's way out is to teleport, after
+        # 300 s by default. 90 s is our assumption: the 60 s that wrecks stand, and a phase of the signal.
+        options=(
+            *("--net-file", f"{files}.net.xml", "--additional-files", f"{files}.add.xml"),
+            *("--lateral-resolution", f"{LATERAL_RESOLUTION:g}", "--time-to-teleport", "90"),
+        ),
+        drivers=drivers,
+        demand=demand,
+        intersection=intersection,
+        duration=duration,
+    )

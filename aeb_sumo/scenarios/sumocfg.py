@@ -33,5 +33,14 @@ def from_sumocfg(path: str | Path, drivers: Profile | None = None) -> Scenario:
         seed=None,
         step_length=None if "step-length" in config.options else _STEP_LENGTH,
         duration=None,
+        scale=_number(config.options.get("scale", "1")),
         output_prefix=config.options.get("output-prefix", ""),
     )
+
+
+def _number(text: str) -> float:
+    """A number; 1 for what is none, which is left to SUMO to refuse."""
+    try:
+        return float(text)
+    except ValueError:
+        return 1.0

@@ -1,15 +1,10 @@
-"""W0: a signalised two-way intersection with e-bike lanes; some left-turning drivers overlook an oncoming e-bike."""
+"""W0 (Yan et al. 2025, Table 1): no median, one car lane each way; left-turning drivers overlook e-bikes."""
 
 from aeb_sumo.drivers import profile
-from aeb_sumo.scenarios.base import Scenario, on_network
+from aeb_sumo.scenarios.base import at_intersection
+from aeb_sumo.scenarios.demand import Demand
+from sumo_nets.w0.sources import INTERSECTION
 
 __all__ = ["SCENARIO"]
 
-SCENARIO = Scenario(
-    name="w0",
-    # A wreck in the middle of the junction can lock up everyone around it; SUMO's way out is to teleport, after 300 s
-    # by default. 90 s is our assumption: the 60 s that wrecks stand, and a phase of the signal.
-    options=(*on_network("w0"), "--time-to-teleport", "90"),
-    drivers=profile.load("intersection"),
-    duration=1800.0,
-)
+SCENARIO = at_intersection("w0", INTERSECTION, Demand(), profile.load("intersection"))

@@ -9,7 +9,8 @@ import numpy as np
 from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.world.contact import Impact, impact, touching
 from aeb_sumo.world.network import Network
-from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.observe import Traffic, VClasses
+from aeb_sumo.world.typology import typology
 from aeb_sumo.world.walkers import PREFIX, fell
 
 __all__ = ["Crash", "Wrecks"]
@@ -27,6 +28,7 @@ class Crash:
         impact: instant, point, speeds.
         kind: `rear_end`, `left_turn_across_path` (one turns left in front of oncoming traffic), `crossing`, `head_on`,
             `side`, or `pedestrian` (a moving vehicle and a person on foot).
+        typology: as `aeb_sumo.world.typology` has it; empty unless a car and a two-wheeler crash.
         striker, struck: their names in `Traffic.ids`.
         lane: of the struck vehicle; of the only one, if one is on foot.
         secondary: one of them had crashed before.
@@ -34,6 +36,7 @@ class Crash:
 
     impact: Impact
     kind: str
+    typology: str
     striker: str
     struck: str
     lane: str
@@ -138,7 +141,14 @@ class Wrecks:
             self.wrecked[slot] = True
             self._until[vehicle] = hit.time + self.blockage
         self._slide_together(pair)
-        return Crash(hit, self._kind(hit, places), striker, struck, places[1].lanes[0], secondary)
+        headings = [
+            p.approach if p.approach is not None else float(t.heading[s])
+            for p, s in zip(places, (hit.striker, hit.struck), strict=True)
+        ]
+        kind = self._kind(hit, places, headings)
+        return Crash(
+            hit, kind, self._typology(hit, places, headings, kind), striker, struck, places[1].lanes[0], secondary
+        )
 
     def _run_down(self, hit: Impact) -> Crash | None:
         """A vehicle and a person on foot: a crash wherever they touch, if the vehicle moves when they begin to.
@@ -161,7 +171,7 @@ class Wrecks:
         self.wrecked[slot] = True
         self._until[vehicle] = hit.time + self.blockage
         fell(t.ids[walker])
-        return Crash(hit, "pedestrian", striker, struck, libsumo.vehicle.getLaneID(vehicle), secondary)
+        return Crash(hit, "pedestrian", "", striker, struck, libsumo.vehicle.getLaneID(vehicle), secondary)
 
     def _slide_together(self, pair: tuple[str, str]) -> None:
         """All wrecks of a pile-up go on with their common momentum: none passes through another."""
@@ -177,11 +187,19 @@ class Wrecks:
         common = (mass * self.speed[slots]) @ heading / mass.sum()
         self.speed[slots] = np.maximum(heading @ common, 0.0)
 
-    def _kind(self, hit: Impact, places: list[_Place]) -> str:
-        headings = [
-            p.approach if p.approach is not None else float(self.traffic.heading[s])
-            for p, s in zip(places, (hit.striker, hit.struck), strict=True)
-        ]
+    def _typology(self, hit: Impact, places: list[_Place], headings: list[float], kind: str) -> str:
+        vclass = [self.traffic.vclass[slot] for slot in (hit.striker, hit.struck)]
+        for car, rider in ((0, 1), (1, 0)):
+            if vclass[car] in VClasses.CARS and vclass[rider] in VClasses.RIDERS:
+                return typology(
+                    car=headings[car],
+                    rider=headings[rider],
+                    turn=places[car].direction,
+                    rear_end=kind == "rear_end" and car == 0,
+                )
+        return ""
+
+    def _kind(self, hit: Impact, places: list[_Place], headings: list[float]) -> str:
         opposed = np.cos(headings[0] - headings[1]) < -0.5  # more than 120 degrees apart before the junction
         if opposed and any(p.direction in _LEFT and p.direction for p in places):
             return "left_turn_across_path"

@@ -1,0 +1,10 @@
+"""B2 (Yan et al. 2025, Table 1): a median of 4.6 m, three car lanes each way; left-turning drivers overlook e-bikes."""
+
+from aeb_sumo.drivers import profile
+from aeb_sumo.scenarios.base import at_intersection
+from aeb_sumo.scenarios.demand import Demand
+from sumo_nets.b2.sources import INTERSECTION
+
+__all__ = ["SCENARIO"]
+
+SCENARIO = at_intersection("b2", INTERSECTION, Demand(), profile.load("intersection"))
