@@ -177,7 +177,8 @@ class Motorists:
         hard = (lead >= 0) & (t.accel[np.maximum(lead, 0)] < -self._surprise[rows])
         for slot, ahead in zip(rows[hard].tolist(), lead[hard].tolist(), strict=True):
             if slot not in self._reacting and not (self.away[slot] or wrecked[slot]) and self._same_way(slot, ahead):
-                self._reacting[slot] = _Reacting(t.serial[ahead], False, t.accel[slot])
+                # His eyes are on the road: he does not speed up any more.
+                self._reacting[slot] = _Reacting(t.serial[ahead], False, min(t.accel[slot], 0.0))
 
     def _react(self, time: float, wrecked: Bools) -> None:
         t = self._traffic
@@ -191,13 +192,13 @@ class Motorists:
                 del self._reacting[slot]
                 continue
             if driver.response is None and (self.attentive[slot] or self._sees(slot, lead)):
+                if self._mild(slot, lead):
+                    del self._reacting[slot]
+                    continue
                 self._notice(slot, lead, driver, closing, time)
             if self.attentive[slot]:
                 driver.onset = min(driver.onset, time)
             if driver.response is not None and driver.jerk == 0 and time >= driver.onset:
-                if self._mild(slot, lead):
-                    del self._reacting[slot]
-                    continue
                 looming = min(self._looming(slot, lead), _STRONGEST)
                 driver.jerk = driver.response.jerk + driver.response.jerk_per_looming * looming
                 driver.onset = time

@@ -38,7 +38,7 @@ class Glances:
         share: share of time with the eyes off the road; 0.18 from another source (evidence.md, R: 0.15 to 0.20).
         calm_ttc: nobody looks away while the TTC to the vehicle ahead is below this [s], our assumption.
         calm_headway: nor while following it at less than this [s], our assumption.
-        calm_decel: nor while braking harder than this [m/s2], our assumption.
+        calm_accel: nor while braking or speeding up harder than this [m/s2], our assumption.
         calm_lane: nor with less than this to go in a lane that leads off the route [m], our assumption.
     """
 
@@ -48,7 +48,7 @@ class Glances:
     share: float = within(0.18, 0.0, 0.9)
     calm_ttc: float = 8.0
     calm_headway: float = 0.5
-    calm_decel: float = 1.0
+    calm_accel: float = 1.0
     calm_lane: float = 500.0
 
     def __post_init__(self) -> None:

@@ -58,8 +58,9 @@ class Reaction(ABC):
         looming: inverse time to collision from which a threat is noticed [1/s].
         surprise: a vehicle ahead that brakes harder than this takes the driver behind by surprise: he goes on as he is
             until he notices [m/s2]; 0.5 g, our assumption: less is what SUMO's drivers expect of each other.
-        mild: a threat that needs no more deceleration than this when it comes to braking is no emergency: SUMO's
-            driver does what is needed [m/s2]; our assumption. The published parameters are those of emergencies.
+        mild: a threat that needs no more deceleration than this when it is noticed, from a vehicle ahead that does not
+            brake hard, is no emergency: SUMO's driver does what is needed [m/s2]; our assumption. The published
+            parameters are those of crashes and near-crashes.
     """
 
     model: ClassVar[str]
@@ -139,7 +140,7 @@ class Careful(Reaction):
     Attributes:
         looming: risk is seen at a TTC of 2 s ...
         surprise: ... and in a vehicle ahead that brakes with 5 m/s2 or more (read in esmini's code, V).
-        mild: he always brakes.
+        mild: everything is an emergency.
         delay: reaction time [s].
         decel: 0.774 g [m/s2].
         jerk: [m/s3].

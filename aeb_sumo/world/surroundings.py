@@ -51,11 +51,11 @@ def lateral_position(t: Traffic, slots: Ints) -> Floats:
 def demanding(t: Traffic, leads: Leads, slot: int, calm: Glances) -> bool:
     """Whether the driver has reason to keep his eyes on the road just now.
 
-    He has when he brakes, closes in on the vehicle ahead, follows it closely, or has to find a gap because his lane
-    soon leads off his route; `calm` says from where on. Drivers choose calm moments to look away.
+    He has when he brakes or speeds up, closes in on the vehicle ahead, follows it closely, or has to find a gap because
+    his lane soon leads off his route; `calm` says from where on. Drivers choose calm moments to look away.
     """
     vehicle = t.ids[slot]
-    if t.accel[slot] < -calm.calm_decel:
+    if abs(t.accel[slot]) > calm.calm_accel:
         return True
     lead, gap = leads.lead[slot], leads.gap[slot]
     if lead >= 0:

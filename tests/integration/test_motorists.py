@@ -95,7 +95,7 @@ def test_who_brakes_gently_surprises_nobody(on_track):
 
 def test_a_glance_holds_the_acceleration_and_crashes_into_a_queue(on_track):
     """Eyes off the road for most of the time, calm or not."""
-    blind = Glances(median=15.0, over_two=0.49, share=0.9, calm_ttc=0.0, calm_headway=0.0, calm_decel=99.0)
+    blind = Glances(median=15.0, over_two=0.49, share=0.9, calm_ttc=0.0, calm_headway=0.0, calm_accel=99.0)
     result, ego, _ = follow(on_track, Profile(glances=blind, cars=Looming()), kind="car", gap=80.0, duration=30.0)
     (crash,) = result.crashes.itertuples()
     assert (crash.striker, crash.striker_error) == ("ego", "glance")
@@ -105,7 +105,7 @@ def test_a_glance_holds_the_acceleration_and_crashes_into_a_queue(on_track):
 
 @pytest.mark.parametrize("responds", [0.0, 1.0])
 def test_a_warned_driver_reacts_to_the_warning(on_track, responds):
-    blind = Glances(median=15.0, over_two=0.49, share=0.9, calm_ttc=0.0, calm_headway=0.0, calm_decel=99.0)
+    blind = Glances(median=15.0, over_two=0.49, share=0.9, calm_ttc=0.0, calm_headway=0.0, calm_accel=99.0)
     profile = Profile(glances=blind, cars=Careful(), warned=Warned(responds=responds, delay_mean=0.3, delay_sd=0.0))
     result, ego, _ = follow(on_track, profile, kind="car", gap=80.0, duration=30.0, strategy=OnlyWarns(ttc=4.0))
     assert (result.interventions["phase"] == "warn").all()
