@@ -1,4 +1,4 @@
-"""W2T (Yan et al. 2025, Table 1): three arms, no median, three car lanes each way; left-turning drivers overlook e-bikes."""
+"""W2T (Yan et al. 2025, Table 1): three arms, three car lanes each way; left-turning drivers overlook e-bikes."""
 
 from aeb_sumo.drivers.errors import Errors, FailureToYield
 from aeb_sumo.scenarios.base import at_intersection
