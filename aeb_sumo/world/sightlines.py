@@ -55,7 +55,8 @@ class Sightlines:
         free: Bools = ~hidden(lines, ends, self._bodies_now())
         if len(self._walls.pieces):
             free[free] = ~hidden(lines[free], ends[free], self._walls)
-        return np.logical_or.reduce(free.reshape(-1, k))
+        result: Bools = np.any(free.reshape(-1, k), axis=0)
+        return result
 
     def _bodies_now(self) -> Screens:
         if self._bodies is None:
