@@ -1,6 +1,6 @@
 """Accident type 321: a car goes straight on, an e-bike crosses from the right and has priority."""
 
-from aeb_sumo.drivers.errors import Errors, FailureToYield
+from aeb_sumo.drivers import profile
 from aeb_sumo.scenarios.typologies import conflict
 
 __all__ = ["SCENARIO"]
@@ -8,7 +8,7 @@ __all__ = ["SCENARIO"]
 SCENARIO = conflict(
     "321",
     "crossroads",
-    Errors(failure_to_yield=FailureToYield()),
+    profile.load("intersection"),
     cars=("wi", "eo"),
     riders=("si", "no"),
     cars_per_hour=300.0,

@@ -1,6 +1,6 @@
 """Accident type 601: a car runs into an e-bike ahead of it, on lanes for everybody."""
 
-from aeb_sumo.drivers.errors import Errors, Glances
+from aeb_sumo.drivers import profile
 from aeb_sumo.scenarios.typologies import conflict
 
 __all__ = ["SCENARIO"]
@@ -10,7 +10,7 @@ _CAR = '<vType id="car" vClass="passenger" length="4.6" width="1.82" speedFactor
 SCENARIO = conflict(
     "601",
     "street",
-    Errors(glances=Glances(median=1.2, over_two=0.3, share=0.4)),
+    profile.load("inattentive"),
     cars=("street",),
     riders=("street",),
     cars_per_hour=700.0,

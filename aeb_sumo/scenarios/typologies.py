@@ -1,7 +1,7 @@
 """What the scenarios of single accident types have in common."""
 
 import sumo_nets
-from aeb_sumo.drivers.errors import Errors
+from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.scenarios.base import Scenario
 from aeb_sumo.scenarios.demand import CAR, LATERAL_RESOLUTION, Rider
 
@@ -11,7 +11,7 @@ __all__ = ["conflict"]
 def conflict(
     name: str,
     net: str,
-    errors: Errors,
+    drivers: Profile,
     *,
     cars: tuple[str, ...],
     riders: tuple[str, ...],
@@ -24,7 +24,7 @@ def conflict(
     Args:
         name: of the scenario.
         net: network of `sumo_nets`.
-        errors: what the drivers do wrong.
+        drivers: what the drivers do wrong.
         cars: edges of their route.
         riders: edges of theirs.
         cars_per_hour: their flow, our assumption.
@@ -47,6 +47,6 @@ def conflict(
             *("--lateral-resolution", f"{LATERAL_RESOLUTION:g}", "--time-to-teleport", "90"),
         ),
         routes=f"<routes>\n    {car}\n    {Rider().types()}\n{flows}\n</routes>\n",
-        errors=errors,
+        drivers=drivers,
         duration=600.0,
     )
