@@ -16,6 +16,7 @@ from aeb_sumo.parameters import changed
 from aeb_sumo.simulate import run
 from aeb_sumo.soa import Floats
 from aeb_sumo.trace import World
+from aeb_sumo.world.observe import VClasses
 from aeb_sumo.world.session import SumoError
 
 __all__ = [
@@ -45,9 +46,9 @@ SHARES = (0.05, 0.1, 0.2, 0.3, 0.45)
 """Shares of time with the eyes off the road at which crashes are counted."""
 
 _SCENARIO = "highway"
-_SAMPLE = 5.0  # s between two looks at the headways
-_FOLLOWS = 5.0  # s, who is farther behind does not follow
-_ROLLS = 10.0  # m/s, below this there are queues and no headways
+_SAMPLE = 5.0  # s between two looks at the headways, our assumption
+_FOLLOWS = 5.0  # s, who is farther behind does not follow, our assumption
+_ROLLS = 10.0  # m/s, below this there are queues and no headways, our assumption
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,8 @@ class Observed:
         away, driving: time of all drivers with the eyes off the road, and in all [s].
         glances: their durations [s].
         headways: time gaps of cars that follow [s].
-        reactions: rows of late (0 or 1), delay [s], alpha: the delay as a share of the time to the crash.
+        reactions: of drivers of cars, rows of late (0 or 1), delay [s], alpha: the delay as a share of the time to
+            the crash.
         errors: striker's error -> crashes.
     """
 
@@ -114,7 +116,11 @@ class _Watch:
             self._since[slot] = time
         for slot in self._since.keys() - away:
             self.glances.append(time - self._since.pop(slot))
-        self.reactions += [(n.late, n.delay, n.delay / n.time_to_crash) for n in drivers.noticed if n.time_to_crash > 0]
+        self.reactions += [
+            (n.late, n.delay, n.delay / n.time_to_crash)
+            for n in drivers.noticed
+            if n.time_to_crash > 0 and t.vclass[n.slot] in VClasses.CARS
+        ]
         if round(time / t.dt) % round(_SAMPLE / t.dt) == 0:
             follows = (leads.lead[rows] >= 0) & (t.speed[rows] > _ROLLS)
             thw = leads.gap[rows[follows]] / t.speed[rows[follows]]
@@ -190,7 +196,7 @@ def with_value(profile: Profile, name: str, value: float) -> Profile:
         InputError: it has no such parameter, or the value is out of range.
     """
     section = name.partition(".")[0]
-    if getattr(profile, section) is None:
+    if getattr(profile, section, None) is None:
         raise InputError(f"driver profile {profile.name} has no section [{section}]")
     return changed(profile, {name: value})
 
@@ -231,10 +237,10 @@ def lines(seen: Observed) -> list[Line]:
         ("glance, median [s]", _median(glances), "0.7 to 0.9", "R"),
         ("glances longer than 2 s [%]", _over(glances, 2.0), "about 5", "R"),
         ("glances longer than 1.7 s [%]", _over(glances, 1.7), "the tail before crashes (Liang 2014)", "V"),
-        ("reactions with the eyes on the threat", f"{len(on)}", "-", "-"),
+        ("reactions with the eyes on the threat, cars", f"{len(on)}", "-", "-"),
         ("  alpha, median", _median(on[:, 2]), "0.22 (Markkula 2016)", "V"),
         ("  reaction time, 5 / 50 / 95 % [s]", _quantiles(on[:, 1], (0.05, 0.5, 0.95)), "-", "-"),
-        ("reactions of eyes that came back late", f"{len(late)}", "-", "-"),
+        ("reactions of eyes that came back late, cars", f"{len(late)}", "-", "-"),
         ("  alpha, median", _median(late[:, 2]), "0.25 (Markkula 2016)", "V"),
         ("  reaction time, 5 / 50 / 95 % [s]", _quantiles(late[:, 1], (0.05, 0.5, 0.95)), "-", "-"),
         ("  no braking at all [%]", _share(np.isinf(late[:, 1]).sum(), len(late)), "2.4 (Markkula 2016)", "V"),

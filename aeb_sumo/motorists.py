@@ -2,7 +2,8 @@
 
 A driver is SUMO's own until he looks away, brakes hard for no visible reason, or has to react to a vehicle ahead that
 came as a surprise: because his eyes were elsewhere, or because it brakes harder than anyone expects. Until he has
-noticed and reacted he goes on as he is; then he brakes as his model says, until nothing closes in any more.
+noticed and reacted he goes on as he is, but does not speed up with his eyes on the road; then he brakes as his model
+says, until nothing closes in any more.
 """
 
 from collections.abc import Iterable
@@ -21,7 +22,9 @@ from aeb_sumo.world.surroundings import Leads, demanding
 
 __all__ = ["Motorists", "Notice"]
 
-_SAME_WAY = 0.5  # cosine of 60 degrees: SUMO also names leads on other lanes of a junction
+_SAME_WAY = 0.5  # cosine of 60 degrees, our assumption: SUMO also names leads on other lanes of a junction
+_STRONGEST = 10.0  # 1/s, our assumption: nearer than this, the jerk is as good as infinite
+_HARDEST = 10.0  # m/s2, our assumption: a vehicle that stops harder has been stopped by another
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,8 @@ class Motorists:
         self._surprise: Floats = np.zeros(0)
         self._held: Floats = np.zeros(0)
         self.noticed: list[Notice] = []
+        self._braked: set[int] = set()
+        self._wrecked: Bools = np.zeros(0, np.bool_)
 
     def depart(self, slot: int, vehicle: str, time: float) -> None:
         """A vehicle enters."""
@@ -91,17 +96,20 @@ class Motorists:
         self._reacting.pop(slot, None)
         self._alerts.pop(slot, None)
 
-    def step(self, time: float, warnings: Iterable[tuple[str, str]], wrecked: Bools) -> None:
+    def step(self, time: float, warnings: Iterable[tuple[str, str]], aeb: Floats, wrecked: Bools) -> None:
         """From the state just observed to what drivers do in the coming step.
 
         Args:
             time: now [s].
             warnings: vehicles whose AEB warned or braked in the last step, and their targets.
+            aeb: per slot, deceleration by their brakes in that step [m/s2].
             wrecked: per slot.
         """
         t = self._traffic
         self._fit()
         self.noticed = []
+        self._braked = set(np.flatnonzero(aeb > 0).tolist())
+        self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
         self._warn(time, warnings)
         self._glance()
@@ -119,6 +127,8 @@ class Motorists:
 
     def error(self, slot: int) -> str:
         """What a driver does wrong now, by name, or empty."""
+        if slot >= len(self._wrecked) or self._wrecked[slot]:
+            return ""
         for kind, on in enumerate(self._lapses.on[slot].tolist()):
             if on and kind != self._lapses.glance:
                 return self._lapses.kinds[kind].name
@@ -134,7 +144,6 @@ class Motorists:
         warned = self._profile.warned
         if warned is None:
             return
-        heard = {}
         for vehicle, target in warnings:
             slot = self._traffic.slot.get(vehicle)
             if slot is None:
@@ -142,26 +151,28 @@ class Motorists:
             known, due = self._alerts.get(slot, ("", np.inf))
             if target != known:
                 due = min(due, time + warned.delay(self._seed, vehicle, target))
-            heard[slot] = target, due
-            if time >= due:
+                self._alerts[slot] = target, due
+        for slot, (_, due) in list(self._alerts.items()):
+            if time >= due:  # also when the warning has ended meanwhile
                 self._until[slot] = time + warned.attention
-        self._alerts = heard
+                del self._alerts[slot]
         self.attentive[:] = self._until > time
 
     def _glance(self) -> None:
         t, calm = self._traffic, self._profile.glances
         if calm is None:
             return
-        for slot in self._lapses.looked_away:
-            busy = slot in self._reacting or self.attentive[slot] or not t.here[slot]
-            if not busy and not demanding(t, self._leads, slot, calm):
-                self.away[slot] = True
-                self._held[slot] = t.accel[slot]
         warned = np.flatnonzero(self.away & self.attentive).tolist()
         for slot in [*self._lapses.looked_back, *warned]:
             if self.away[slot]:
                 self.away[slot] = False
                 self._look_back(slot)
+        for slot in self._lapses.looked_away:
+            # A short glance may have ended within the same step.
+            busy = slot in self._reacting or self.attentive[slot] or not self._lapses.on[slot, self._lapses.glance]
+            if not busy and t.here[slot] and not demanding(t, self._leads, slot, calm):
+                self.away[slot] = True
+                self._held[slot] = t.accel[slot]
 
     def _look_back(self, slot: int) -> None:
         """The eyes are on the road again: is there something to react to?"""
@@ -177,8 +188,9 @@ class Motorists:
         hard = (lead >= 0) & (t.accel[np.maximum(lead, 0)] < -self._surprise[rows])
         for slot, ahead in zip(rows[hard].tolist(), lead[hard].tolist(), strict=True):
             if slot not in self._reacting and not (self.away[slot] or wrecked[slot]) and self._same_way(slot, ahead):
-                # His eyes are on the road: he does not speed up any more.
-                self._reacting[slot] = _Reacting(t.serial[ahead], False, min(t.accel[slot], 0.0))
+                # With his eyes on the road he does not speed up any more; the braking of his AEB is not his own.
+                held = 0.0 if slot in self._braked else min(float(t.accel[slot]), 0.0)
+                self._reacting[slot] = _Reacting(t.serial[ahead], False, held)
 
     def _react(self, time: float, wrecked: Bools) -> None:
         t = self._traffic
@@ -188,7 +200,9 @@ class Motorists:
                 del self._reacting[slot]
                 continue
             closing = float(t.speed[slot] - t.speed[lead])
-            if closing <= 0 and t.accel[lead] >= -self._surprise[slot]:
+            calm = t.accel[lead] >= -self._surprise[slot]
+            nothing = driver.response is None and not self._sees(slot, lead)
+            if calm and (closing <= 0 or nothing):
                 del self._reacting[slot]
                 continue
             if driver.response is None and (self.attentive[slot] or self._sees(slot, lead)):
@@ -205,8 +219,7 @@ class Motorists:
 
     def _notice(self, slot: int, lead: int, driver: _Reacting, closing: float, time: float) -> None:
         t, model = self._traffic, self._model(slot)
-        accel = float(t.accel[slot] - t.accel[lead])
-        crash_in = float(ttc2(gap=self._leads.gap[slot], closing_speed=closing, closing_accel=accel))
+        crash_in = self._time_to_crash(slot, lead, driver.held)
         if model is None or not np.isfinite(crash_in):
             return
         threat = Threat(time_to_crash=crash_in, closing_speed=max(closing, 0.0), late=driver.late)
@@ -231,6 +244,16 @@ class Motorists:
         before = max(-driver.held, 0.0)
         return -max(before, min(driver.response.decel, before + driver.jerk * (time - driver.onset)))
 
+    def _time_to_crash(self, slot: int, lead: int, held: float) -> float:
+        """If both go on as they are [s]: a vehicle ahead that brakes to a stop stays where it is."""
+        t, gap = self._traffic, float(self._leads.gap[slot])
+        speed, lead_speed = float(t.speed[slot]), float(t.speed[lead])
+        braking = max(float(t.accel[lead]), -_HARDEST)
+        first = float(ttc2(gap=gap, closing_speed=speed - lead_speed, closing_accel=held - braking))
+        if braking >= 0 or first <= lead_speed / -braking:
+            return first
+        return float(ttc2(gap=gap + lead_speed**2 / (2 * -braking), closing_speed=speed, closing_accel=held))
+
     def _sees(self, slot: int, lead: int) -> bool:
         """Whether there is a threat that the driver notices when he looks."""
         model = self._model(slot)
@@ -253,6 +276,3 @@ class Motorists:
         self._lapses.fit(n)
         for name in ("erring", "accel", "away", "attentive", "_until", "_driven", "_surprise", "_held"):
             setattr(self, name, fitted(getattr(self, name), n))
-
-
-_STRONGEST = 10.0  # 1/s: nearer than this, the jerk is as good as infinite

@@ -14,6 +14,8 @@ __all__ = ["changed", "check", "differences", "parse", "read_file", "within"]
 
 P = TypeVar("P")
 
+_HUGE = 10**300  # whole numbers beyond are no floats
+
 
 def within(default: float, low: float, high: float) -> Any:
     """A dataclass field with a default and the range that `check` allows, ends included."""
@@ -87,7 +89,7 @@ def _typed(name: str, before: Any, value: Any) -> Any:
     if isinstance(before, int) and isinstance(value, int) and not isinstance(value, bool):
         return value
     if isinstance(before, float) and isinstance(value, (int, float)) and not isinstance(value, bool):
-        return float(value)
+        return float(value) if abs(value) < _HUGE else np.copysign(np.inf, value)
     if isinstance(before, str) and isinstance(value, str):
         return value
     kind = {int: "a whole number", float: "a number", str: "a text"}.get(type(before), "set in Python, not here")
@@ -122,5 +124,5 @@ def read_file(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(f"cannot read the parameter file {path}: {error.strerror}") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except ValueError as error:  # no UTF-8, no TOML, or a number with thousands of digits
         raise InputError(f"the parameter file {path} is no TOML: {error}") from None

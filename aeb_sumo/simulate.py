@@ -219,7 +219,7 @@ class _Run:
 
         self._leads.step()
         self._paths.step()
-        self._motorists.step(time, self._warnings, wrecked)
+        self._motorists.step(time, self._warnings, self._fleet.decel, wrecked)
         self._violations.step(self._motorists.attentive)
         self._fleet.step(time, wrecked)
         self._override.drive(

@@ -1,6 +1,7 @@
 """`aeb-sumo calibrate`."""
 
 import re
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -42,13 +43,15 @@ def calibrate(
     """Run the highway without AEB and print what its drivers do beside the evidence."""
     base = profile.load(drivers)
     text = Path(drivers).read_text(encoding="utf-8") if drivers.endswith(".toml") else profile.text(drivers)
-    if out is not None and (not fit or out.suffix != ".toml" or out.exists()):
-        raise InputError(f"--out {out}: name a new file.toml for the profile that --fit finds")
+    if out is not None and (not fit or out.suffix != ".toml" or out.exists() or not out.parent.is_dir()):
+        raise InputError(f"--out {out}: name a new file.toml in an existing folder for the profile that --fit finds")
     if figure is not None and (not sweep or figure.suffix not in {".svg", ".png"} or not figure.parent.is_dir()):
         raise InputError(f"--figure {figure}: name a file .svg or .png in an existing folder, and give --sweep")
-    name, values = ("glances.share", SHARES) if sweep else (FITTED, GRID)
     if fit and sweep:
         raise InputError("--fit and --sweep are two runs: give one of them")
+    name, values = ("glances.share", SHARES) if sweep else (FITTED, GRID)
+    if out is not None:
+        _check_text(drivers, text, name)
     profiles = [with_value(base, name, value) for value in values] if fit or sweep else [base]
     terminal = console()
     with Progress(console=terminal, disable=not terminal.is_terminal, transient=True) as bar:
@@ -90,13 +93,28 @@ def _print_values(name: str, values: Sequence[float], seen: Sequence[Observed]) 
 
 
 def _set(text: str, name: str, value: float) -> str:
-    """A profile's text with one value changed; it keeps its comments."""
+    """A profile's text with one value changed; it keeps its comments. Unchanged if it has no such section."""
     section, _, key = name.partition(".")
-    head, mark, rest = text.partition(f"[{section}]")
-    body, following = re.match(r"(.*?)(?=^\[|\Z)(.*)", rest, re.S | re.M).groups()  # type: ignore[union-attr]
+    parts = re.split(rf"^\[{section}\]", text, maxsplit=1, flags=re.M)
+    if len(parts) < 2:
+        return text
+    end = re.search(r"^\[", parts[1], re.M)
+    at = end.start() if end else len(parts[1])
     line = f"{key} = {value!r}"
-    body, found = re.subn(rf"^{key}\s*=\s*[^\s#]+", line, body, flags=re.M)
-    return head + mark + (body if found else f"\n{line}" + body) + following
+    body, found = re.subn(rf"^{key}\s*=\s*[^\s#]+", line, parts[1][:at], flags=re.M)
+    return f"{parts[0]}[{section}]" + (body if found else f"\n{line}" + body) + parts[1][at:]
+
+
+def _check_text(drivers: str, text: str, name: str) -> None:
+    """Find out before the runs that the file is written as `_set` needs it."""
+    section, _, key = name.partition(".")
+    probe = 123.25
+    try:
+        found = tomllib.loads(_set(text, name, probe))[section][key]
+    except (tomllib.TOMLDecodeError, LookupError, TypeError):
+        found = None
+    if found != probe:
+        raise InputError(f"--out: cannot change {name} in {drivers}; write it as [{section}] with a line {key} = ...")
 
 
 def _write(path: Path, text: str) -> None:

@@ -37,15 +37,15 @@ class FailureToYield:
         notice_mean, notice_sd: of the log-normal time from when another is in sight to when a driver who looks has
             noticed him, and of a rider's reaction to a car that stands in his way [s]; 0.92 and 0.28 from another
             source (reaction to a crossing conflict, de Gelder, V in evidence.md).
-        occlusion: drivers see nobody behind other vehicles or buildings; false is a world of glass.
+        occlusion: drivers see nobody behind other vehicles or buildings; false is a world of glass, our assumption.
     """
 
     name = "failure_to_yield"
     probability: float = within(0.5, 0.0, 1.0)
     motor: float = within(0.0, 0.0, 1.0)
     rider_unaware: float = within(0.5, 0.0, 1.0)
-    notice_mean: float = 0.92
-    notice_sd: float = 0.28
+    notice_mean: float = within(0.92, 0.0, 60.0)
+    notice_sd: float = within(0.28, 0.0, 60.0)
     occlusion: bool = True
 
     def __post_init__(self) -> None:
@@ -91,20 +91,21 @@ class Riders:
 
 @dataclass(frozen=True, kw_only=True)
 class Warned:
-    """What a driver does when his AEB warns him: he looks, and sees what he is warned of.
+    """What a driver does when his AEB warns him: he looks, sees what he is warned of, and brakes if he has to.
 
     Attributes:
         responds: probability that a warning reaches him, one draw per driver and target, our assumption.
-        delay_mean, delay_sd: of the log-normal time from the warning to his eyes on the road [s], our assumption. What
-            he does then is up to his reaction to what he sees.
+        delay_mean, delay_sd: of the log-normal time from the warning to his eyes on the road and his foot on the brake
+            [s], our assumption. In an emergency he brakes then at the latest, as hard as he would have done later, and
+            also if without the warning he would not have braked at all.
         attention: for how long after a warning he keeps his eyes on the road [s], our assumption.
     """
 
     name = "warned"
     responds: float = within(0.9, 0.0, 1.0)
-    delay_mean: float = 0.6
-    delay_sd: float = 0.2
-    attention: float = 3.0
+    delay_mean: float = within(0.6, 0.0, 60.0)
+    delay_sd: float = within(0.2, 0.0, 60.0)
+    attention: float = within(3.0, 0.0, 600.0)
 
     def __post_init__(self) -> None:
         """Raises `InputError` for a parameter out of range."""

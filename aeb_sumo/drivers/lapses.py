@@ -6,7 +6,7 @@ the state of traffic change no draw. Whether a drawn glance takes place depends 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from heapq import heappop, heappush
+from heapq import heapify, heappop, heappush
 from typing import ClassVar
 
 import numpy as np
@@ -80,7 +80,7 @@ class HardBraking:
     """
 
     name: ClassVar[str] = "hard_braking"
-    every: float = within(300.0, 1.0, np.inf)
+    every: float = within(300.0, 1.0, 1e9)
     decel: float = within(6.0, 0.1, 12.0)
     duration: float = within(2.0, 0.1, 60.0)
 
@@ -151,6 +151,7 @@ class Lapses:
         self._count = 0
         self._streams: dict[str, list[Iterator[Lapse]]] = {}
         self._departed: dict[str, float] = {}
+        self._slots: dict[str, int] = {}
         self.looked_away: list[int] = []
         self.looked_back: list[int] = []
         self.on: Bools = np.zeros((0, len(self.kinds)), np.bool_)
@@ -161,7 +162,7 @@ class Lapses:
         if not self.kinds:
             return
         self.fit(slot + 1)
-        self._departed[vehicle] = time
+        self._departed[vehicle], self._slots[vehicle] = time, slot
         self._streams[vehicle] = [k.lapses(stream(self._seed, k.name, vehicle), vehicle) for k in self.kinds]
         for kind in range(len(self.kinds)):
             self._next(slot, vehicle, kind)
@@ -169,15 +170,22 @@ class Lapses:
     def leave(self, slot: int, vehicle: str) -> None:
         """A driver's trip ends."""
         if self._departed.pop(vehicle, None) is not None:
-            del self._streams[vehicle]
+            del self._streams[vehicle], self._slots[vehicle]
             self.on[slot] = False
+            if len(self._heap) > 64 + 2 * len(self.kinds) * len(self._departed):
+                self._heap = [event for event in self._heap if self._concerns(event)]
+                heapify(self._heap)
+
+    def _concerns(self, event: "_Event") -> bool:
+        """Whether its driver is still on this trip."""
+        return self._slots.get(event.vehicle) == event.slot
 
     def advance(self, time: float) -> None:
         """Bring `on` and `accel` to `time` [s]."""
         self.looked_away, self.looked_back = [], []
         while self._heap and self._heap[0].time <= time:
             event = heappop(self._heap)
-            if event.vehicle not in self._departed:
+            if not self._concerns(event):
                 continue
             self.on[event.slot, event.kind] = event.starts
             if event.kind == self.glance:

@@ -97,7 +97,7 @@ def _profile(name: str, data: Mapping[str, Any]) -> Profile:
             raise InputError(f"{name}: {section} must be a section, [{section}], not a value")
         usual, values = _SECTIONS[section](), dict(values)  # noqa: PLW2901
         if isinstance(usual, Reaction) and (model := values.pop("model", usual.model)) != usual.model:
-            if model not in MODELS:
+            if not isinstance(model, str) or model not in MODELS:
                 raise InputError(f"{name}: unknown model {model!r} in [{section}]; there are: {', '.join(MODELS)}")
             usual = MODELS[model]()
         parts[section] = changed(usual, values)

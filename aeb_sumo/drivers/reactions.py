@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from aeb_sumo.drivers.classes import driver_classes, reaction_time
+from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import check, within
 from aeb_sumo.units import KMH, G
 
@@ -55,7 +56,8 @@ class Reaction(ABC):
     """A model of reactions.
 
     Attributes:
-        looming: inverse time to collision from which a threat is noticed [1/s].
+        looming: inverse time to collision from which a threat is noticed [1/s]; 0.2 from another source (Markkula et
+            al. 2016).
         surprise: a vehicle ahead that brakes harder than this takes the driver behind by surprise: he goes on as he is
             until he notices [m/s2]; 0.5 g, our assumption: less is what SUMO's drivers expect of each other.
         mild: a threat that needs no more deceleration than this when it is noticed, from a vehicle ahead that does not
@@ -87,11 +89,12 @@ class Reaction(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class Looming(Reaction):
-    """Markkula et al. 2016, the authors' published parameters, SHRP2 cars (evidence.md, V); all defaults printed there.
+    """Markkula et al. 2016, the authors' published parameters, SHRP2 cars (evidence.md, V); own defaults are printed.
 
     Noticed at an inverse TTC of 0.2 1/s; braking starts at `t02 + alpha (t_C - t02)`, where t_C is when the crash would
     happen without a response: alpha is normal when the eyes were on the threat and log-normal when they came back to it
-    late; 1 or more means no braking. The jerk is `9.82 k / TTC` at the onset, k log-normal; the deceleration is normal.
+    late; 1 or more means no braking, and less than 0 is 0, our assumption: who had reacted before would not be here.
+    The jerk is `9.82 k / TTC` at the onset, k log-normal; the deceleration is normal.
 
     Attributes:
         alpha_mean, alpha_sd: of alpha with the eyes on the threat.
@@ -102,11 +105,11 @@ class Looming(Reaction):
 
     model: ClassVar[str] = "looming"
     alpha_mean: float = 0.22
-    alpha_sd: float = 0.29
+    alpha_sd: float = within(0.29, 0.0, 10.0)
     late_mu: float = within(-1.40, -20.0, 20.0)
-    late_sigma: float = 0.71
+    late_sigma: float = within(0.71, 0.0, 10.0)
     k_mu: float = within(1.23, -20.0, 20.0)
-    k_sigma: float = 0.62
+    k_sigma: float = within(0.62, 0.0, 10.0)
     decel_mean: float = 6.68
     decel_sd: float = 1.69
 
@@ -135,7 +138,10 @@ def trucks() -> Looming:
 
 @dataclass(frozen=True, kw_only=True)
 class Careful(Reaction):
-    """The careful reference driver of UN R157 (evidence.md, V); all defaults printed there.
+    """The careful reference driver of UN R157 (evidence.md, V); its own defaults are printed there.
+
+    He reacts to a vehicle ahead that brakes hard; a cut-in or a slow vehicle is left to SUMO's driver, who reacts
+    sooner than he would.
 
     Attributes:
         looming: risk is seen at a TTC of 2 s ...
@@ -152,8 +158,8 @@ class Careful(Reaction):
     surprise: float = 5.0
     mild: float = 0.0
     delay: float = 0.75
-    decel: float = 0.774 * G
-    jerk: float = 12.65
+    decel: float = within(0.774 * G, 0.1, 15.0)
+    jerk: float = within(12.65, 0.1, 1000.0)
 
     def respond(self, driver: np.random.Generator, encounter: np.random.Generator, threat: Threat) -> Response:  # noqa: ARG002
         """See `Reaction.respond`; nothing is drawn."""
@@ -178,7 +184,14 @@ class Zheng(Reaction):
     share_3: float = within(0.25, 0.0, 1.0)
     decel_mean: float = 6.68
     decel_sd: float = 1.69
-    jerk: float = 12.65
+    jerk: float = within(12.65, 0.1, 1000.0)
+
+    def __post_init__(self) -> None:
+        """Raises `InputError` for a parameter out of range, or shares that sum up to more than 1."""
+        super().__post_init__()
+        total = self.share_1 + self.share_2 + self.share_3
+        if total > 1 + 1e-9:
+            raise InputError(f"Zheng.share_1 + share_2 + share_3 must be 1 or less, not {total:g}")
 
     @cached_property
     def _upto(self) -> tuple[float, ...]:

@@ -18,7 +18,7 @@ EYE = 2.0
 """How far behind the front bumper a driver's eyes are [m], our assumption."""
 
 _STANDS = 0.5  # m/s, slower than this is standing to the eye, our assumption
-_AT_LINE = 3.0  # m before a junction at which a rider's signal is read
+_AT_LINE = 3.0  # m before a junction at which a rider's signal is read, our assumption
 _RED = frozenset("rRuU")
 _STOPS_AT_RED = 16  # bit of SUMO's speed mode
 
@@ -32,7 +32,7 @@ class Sight(Protocol):
 
 @dataclass
 class _Encounter:
-    """A driver who has to give way, and another whose path he crosses."""
+    """A driver who has to give way, and another whose path he crosses, until one of them is through."""
 
     fails: bool
     unaware: bool
@@ -62,7 +62,6 @@ class Violations:
         self._gives_way: Bools = np.zeros(0, np.bool_)  # per user of `Paths`
         self._driven: Bools = np.zeros(0, np.bool_)  # per slot
         self._encounters: dict[tuple[str, str], _Encounter] = {}
-        self._partners: dict[str, set[str]] = {}
         self._blind: dict[str, set[str]] = {}
         self._stands: dict[tuple[str, str], float] = {}  # (unaware rider, driver) -> how long the car has stood [s]
         self._modes: dict[str, tuple[str, int | None]] = {}  # rider -> junction, speed mode before; None: he stops
@@ -75,7 +74,8 @@ class Violations:
             attentive: per slot, a warning has made the driver look.
         """
         for _, vehicle in self._traffic.left:
-            self._forget(vehicle)
+            self._modes.pop(vehicle, None)
+            self._ran.pop(vehicle, None)
         if self._yielding is not None:
             self._give_way(self._yielding, attentive)
         if self._riders is not None:
@@ -98,11 +98,15 @@ class Violations:
         giving[turns.slot] = self._gives_way[turns.user]
         user = np.zeros(t.capacity, np.int64)
         user[turns.slot] = turns.user
-        k = np.flatnonzero(giving[pairs.ego] & self._driven[pairs.ego] & (pairs.zone[:, [1, 3]] > 0).all(1))
+        # Until the tail of one of them is through.
+        ahead = (pairs.zone[:, 1] > -t.length[pairs.ego]) & (pairs.zone[:, 3] > -t.length[pairs.other])
+        k = np.flatnonzero(giving[pairs.ego] & self._driven[pairs.ego] & ahead)
         ego, other = pairs.ego[k], pairs.other[k]
         seen = np.ones(len(k), np.bool_) if self._sight is None else self._sight.visible(ego, other, setback=EYE)
+        over = set(self._encounters)
         for slot, other_slot, in_sight in zip(ego.tolist(), other.tolist(), seen.tolist(), strict=True):
             key = t.ids[slot], t.ids[other_slot]
+            over.discard(key)
             encounter = self._encounters.get(key)
             if encounter is None:
                 encounter = self._begin(error, *key, int(user[slot]), int(user[other_slot]))
@@ -113,6 +117,8 @@ class Violations:
             if hidden != encounter.hidden:
                 encounter.hidden = hidden
                 self._hide(*key, hidden=hidden)
+        for key in sorted(over):
+            self._end(*key)
         self._notice_standing()
 
     def _begin(self, error: FailureToYield, driver: str, other: str, own_user: int, other_user: int) -> _Encounter:
@@ -129,9 +135,15 @@ class Violations:
             self._hide(other, driver, hidden=True)
             self._stands[other, driver] = 0.0
         self._encounters[driver, other] = encounter
-        for one, two in ((driver, other), (other, driver)):
-            self._partners.setdefault(one, set()).add(two)
         return encounter
+
+    def _end(self, driver: str, other: str) -> None:
+        """One of them has left the crossing behind: at the next one they meet anew."""
+        encounter = self._encounters.pop((driver, other))
+        if encounter.hidden:
+            self._hide(driver, other, hidden=False)
+        if self._stands.pop((other, driver), None) is not None:
+            self._hide(other, driver, hidden=False)
 
     def _notice_standing(self) -> None:
         """Riders see at last a car that stands in their way."""
@@ -161,7 +173,8 @@ class Violations:
                     libsumo.vehicle.setSpeedMode(rider, before & ~_STOPS_AT_RED)
                 self._modes[rider] = path.junction, before
             if self._modes[rider][1] is not None and 0 <= path.junction_at - at < _AT_LINE:
-                if any(state in _RED for _, _, _, state in libsumo.vehicle.getNextTLS(rider)[:1]):
+                signal = libsumo.vehicle.getNextTLS(rider)[:1]
+                if any(state in _RED and away < _AT_LINE + 1.0 for _, _, away, state in signal):
                     self._ran[rider] = path.junction
                 else:
                     self._ran.pop(rider, None)
@@ -178,20 +191,10 @@ class Violations:
     def _hide(self, who: str, whom: str, *, hidden: bool) -> None:
         unseen = self._blind.setdefault(who, set())
         (unseen.add if hidden else unseen.discard)(whom)
-        overlook(who, unseen)
-
-    def _forget(self, vehicle: str) -> None:
-        self._blind.pop(vehicle, None)
-        self._modes.pop(vehicle, None)
-        self._ran.pop(vehicle, None)
-        for other in self._partners.pop(vehicle, ()):
-            self._partners.get(other, set()).discard(vehicle)
-            self._encounters.pop((vehicle, other), None)
-            self._encounters.pop((other, vehicle), None)
-            self._stands.pop((vehicle, other), None)
-            self._stands.pop((other, vehicle), None)
-            if vehicle in self._blind.get(other, ()):
-                self._hide(other, vehicle, hidden=False)
+        if not unseen:
+            del self._blind[who]
+        if who in self._traffic.slot:
+            overlook(who, unseen)
 
     def _fit(self) -> None:
         t, users = self._traffic, self._paths.users

@@ -46,6 +46,18 @@ def test_lapses_come_and_go_on_the_drivers_own_clock():
     assert not lapses.on[0, 0]
 
 
+def test_the_heap_does_not_grow_with_those_who_have_left():
+    lapses = Lapses([HardBraking(every=1e6), Glances()], seed=1)
+    sizes = []
+    for k in range(3000):
+        lapses.depart(k % 50, f"v{k}", float(k))
+        if k >= 50:
+            lapses.leave(k % 50, f"v{k - 50}")
+        lapses.advance(float(k))
+        sizes.append(len(lapses._heap))
+    assert max(sizes[1500:]) <= max(sizes[:1500]) < 400
+
+
 def test_the_beginning_and_the_end_of_a_glance_are_told():
     lapses = Lapses([None, Glances(), Robots()], seed=1)
     assert lapses.glance == 0
