@@ -8,9 +8,9 @@ __all__ = ["SCENARIO"]
 SCENARIO = conflict(
     "322",
     "crossroads",
-    Errors(failure_to_yield=FailureToYield()),
+    Errors(failure_to_yield=FailureToYield(probability=0.7, rider_unaware=0.7)),
     cars=("wi", "eo"),
     riders=("ni", "so"),
-    cars_per_hour=300.0,
-    riders_per_hour=700.0,
+    cars_per_hour=450.0,
+    riders_per_hour=900.0,
 )
