@@ -156,12 +156,12 @@ class Intersection:
         """From the middle of the road to that of a lane [m]: 0 is the bicycle lane, 1 the outermost for cars."""
         return self.bike if index == 0 else self.median / 2 + (self.lanes - index + 0.5) * self.lane_width
 
-    @property
+    @cached_property
     def stop(self) -> float:
         """From the centre to the stop lines [m]: there the left turn from innermost to innermost lane begins."""
         return round(self.turn[0].reach - self.inner, 2)
 
-    @property
+    @cached_property
     def turn(self) -> tuple[TurningPath, float]:
         """Path and speed [m/s] of a car that turns left."""
         return turning_path(self.turn_radius)

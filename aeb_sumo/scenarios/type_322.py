@@ -11,6 +11,6 @@ SCENARIO = conflict(
     profile.load("intersection"),
     cars=("wi", "eo"),
     riders=("ni", "so"),
-    cars_per_hour=300.0,
-    riders_per_hour=700.0,
+    cars_per_hour=450.0,
+    riders_per_hour=900.0,
 )

@@ -69,7 +69,11 @@ def test_tables_are_documented():
 
 
 BAD = [
-    (("run", "nowhere"), ["nowhere", "highway, track, w0"]),
+    (("run", "nowhere"), ["nowhere", "221, 321, 322, 601, b2, highway, track, w0, w1, w2, w2t"]),
+    (("run", "highway", "--ebike-share", "0.5"), ["highway", "no share of e-bikes", "b2, w0, w1, w2, w2t"]),
+    (("run", "w0", "--ebike-share", "2"), ["ebike_share", "0 .. 1", "2"]),
+    (("run", "w0", "--demand", "-1"), ["demand", "positive", "-1"]),
+    (("run", "w0", "--weather", "snow"), ["weather", "dry, wet", "snow"]),
     (("run",), ["SCENARIO", "--sumocfg"]),
     (("run", "w0", "--sumocfg", "x.sumocfg"), ["SCENARIO", "--sumocfg"]),
     (("run", "highway", "--strategy", "magic"), ["magic", "none, staged, staged_m, yan2025, zhao2025"]),
