@@ -31,6 +31,7 @@ class FailureToYield:
     Attributes:
         probability: that a driver does not look for two-wheelers, our assumption: far more often than in life, so that
             a short run has conflicts.
+        right_turn: the same of one who turns right, our assumption: he has seen those beside him before.
         motor: that he does not look for motor vehicles, our assumption.
         rider_unaware: that a rider whom such a driver overlooks relies on the right of way and does not react to the
             moving car, one draw per driver and rider, our assumption.
@@ -42,6 +43,7 @@ class FailureToYield:
 
     name = "failure_to_yield"
     probability: float = within(0.5, 0.0, 1.0)
+    right_turn: float = within(0.1, 0.0, 1.0)
     motor: float = within(0.0, 0.0, 1.0)
     rider_unaware: float = within(0.5, 0.0, 1.0)
     notice_mean: float = within(0.92, 0.0, 60.0)
@@ -52,9 +54,13 @@ class FailureToYield:
         """Raises `InputError` for a parameter out of range."""
         check(self)
 
-    def driver_fails(self, seed: int, driver: str, junction: str, approach: str, *, rider: bool) -> bool:
+    def driver_fails(
+        self, seed: int, driver: str, junction: str, approach: str, *, rider: bool, right_turn: bool = False
+    ) -> bool:
         """Whether this driver does not look for those who come from this approach to this junction."""
-        kind, limit = ("riders", self.probability) if rider else ("motor", self.motor)
+        kind, limit = (
+            ("riders", self.right_turn if right_turn else self.probability) if rider else ("motor", self.motor)
+        )
         return bool(stream(seed, self.name, driver, junction, approach, kind).random() < limit)
 
     def rider_fails(self, seed: int, driver: str, rider: str) -> bool:

@@ -20,6 +20,7 @@ EYE = 2.0
 _STANDS = 0.5  # m/s, slower than this is standing to the eye, our assumption
 _AT_LINE = 3.0  # m before a junction at which a rider's signal is read, our assumption
 _RED = frozenset("rRuU")
+_RIGHT = frozenset("rR")
 _STOPS_AT_RED = 16  # bit of SUMO's speed mode
 
 
@@ -125,7 +126,8 @@ class Violations:
         t = self._traffic
         own, others = self._paths.users[own_user][0], self._paths.users[other_user][0]
         rider = t.vclass[t.slot[other]] in VClasses.RIDERS
-        fails = error.driver_fails(self._seed, driver, own.junction, others.approach, rider=rider)
+        right = own.direction in _RIGHT
+        fails = error.driver_fails(self._seed, driver, own.junction, others.approach, rider=rider, right_turn=right)
         encounter = _Encounter(
             fails=fails,
             unaware=rider and fails and error.rider_fails(self._seed, driver, other),
