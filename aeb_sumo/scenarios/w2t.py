@@ -7,4 +7,4 @@ from sumo_nets.w2t.sources import INTERSECTION
 
 __all__ = ["SCENARIO"]
 
-SCENARIO = at_intersection("w2t", INTERSECTION, Demand(flow=1584.0), Errors(failure_to_yield=FailureToYield()))
+SCENARIO = at_intersection("w2t", INTERSECTION, Demand(flow=1120.0), Errors(failure_to_yield=FailureToYield()))
