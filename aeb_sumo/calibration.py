@@ -39,8 +39,11 @@ TARGET = 761 / 82
 FITTED = "hard_braking.duration"
 """The parameter that is fitted to it: how long leads brake hard for no visible reason; there is no evidence for it."""
 
-GRID = (1.0, 1.25, 1.5, 1.75, 2.0)
-"""Values of it that are tried [s]."""
+GRID = (1.6, 1.7, 1.8, 1.9, 2.0)
+"""Values of it that are tried [s], our assumption; shorter ones give too few crashes to tell the ratio."""
+
+ENOUGH = 15
+"""Crashes from which on a ratio counts as known (to within a factor of about 1.7 either way), our assumption."""
 
 SHARES = (0.05, 0.1, 0.2, 0.3, 0.45)
 """Shares of time with the eyes off the road at which crashes are counted."""
@@ -202,14 +205,14 @@ def with_value(profile: Profile, name: str, value: float) -> Profile:
 
 
 def best(values: Sequence[float], seen: Sequence[Observed]) -> float:
-    """The value whose ratio is nearest to `TARGET`, as a factor.
+    """The value whose ratio is nearest to `TARGET`, as a factor, of those with `ENOUGH` crashes.
 
     Raises:
-        InputError: none of the runs had both crashes and near-crashes.
+        InputError: none of them has.
     """
-    apart = [abs(np.log(o.ratio / TARGET)) if o.near_crashes and o.crashes else np.inf for o in seen]
+    apart = [abs(np.log(o.ratio / TARGET)) if o.near_crashes and o.crashes >= ENOUGH else np.inf for o in seen]
     if not np.isfinite(min(apart)):
-        raise InputError("no crashes or no near-crashes in any of the runs: take more seeds or a longer duration")
+        raise InputError(f"fewer than {ENOUGH} crashes with every value tried: take more seeds or a longer duration")
     return values[int(np.argmin(apart))]
 
 

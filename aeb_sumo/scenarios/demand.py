@@ -103,11 +103,11 @@ class Demand:
         rider: e-bikes and how they are ridden.
     """
 
-    flow: float = within(1980.0, 0.0, 20000.0)
+    flow: float = within(1400.0, 0.0, 20000.0)
     ebike_share: float = within(0.7, 0.0, 1.0)
     main_share: float = within(0.6, 0.0, 1.0)
-    left: float = within(0.5, 0.0, 1.0)
-    right: float = within(0.15, 0.0, 1.0)
+    left: float = within(0.4, 0.0, 1.0)
+    right: float = within(0.1, 0.0, 1.0)
     rider_left: float = within(0.1, 0.0, 1.0)
     rider_right: float = within(0.1, 0.0, 1.0)
     against: float = within(0.05, 0.0, 1.0)
