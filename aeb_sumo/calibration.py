@@ -20,6 +20,7 @@ from aeb_sumo.world.observe import VClasses
 from aeb_sumo.world.session import SumoError
 
 __all__ = [
+    "ENOUGH",
     "FITTED",
     "GRID",
     "SHARES",

@@ -7,8 +7,4 @@ from sumo_nets.w2t.sources import INTERSECTION
 
 __all__ = ["SCENARIO"]
 
-<<<<<<< HEAD
-SCENARIO = at_intersection("w2t", INTERSECTION, Demand(flow=1584.0), profile.load("intersection"))
-=======
-SCENARIO = at_intersection("w2t", INTERSECTION, Demand(flow=1120.0), Errors(failure_to_yield=FailureToYield()))
->>>>>>> nets
+SCENARIO = at_intersection("w2t", INTERSECTION, Demand(flow=1120.0), profile.load("intersection"))
