@@ -346,7 +346,7 @@ class _Run:
             "begin_s": session.begin,
             "end_s": session.time,
             "demand": self._scenario.scale,
-            "ebike_share": self._scenario.demand.ebike_share if self._scenario.demand else np.nan,
+            "ebike_share": self._scenario.demand.ebike_share if self._scenario.demand else None,
             "weather": self._scenario.weather,
             "mu": self._scenario.mu,
             "blockage_s": self._blockage,
