@@ -78,7 +78,7 @@ BAD = [
     (("run", "w0", "--sumocfg", "x.sumocfg"), ["SCENARIO", "--sumocfg"]),
     (("run", "highway", "--strategy", "magic"), ["magic", "none, staged, staged_m, yan2025, zhao2025"]),
     (("run", "highway", "--compare", "--strategy", "none"), ["--compare", "none"]),
-    (("run", "highway", "--drivers", "drunk"), ["drunk", "attentive, distracted"]),
+    (("run", "highway", "--drivers", "drunk"), ["drunk", "attentive, careful"]),
     (("run", "highway", "--magic"), ["--magic", "--penetration"]),
     (("run", "highway", "--penetration", "1.5"), ["penetration", "0..1", "1.5"]),
     (("run", "highway", "--penetration", "nan"), ["penetration", "0..1"]),
