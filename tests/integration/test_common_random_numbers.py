@@ -29,7 +29,7 @@ def drawn(monkeypatch):
     return log
 
 
-@pytest.mark.parametrize(("name", "duration"), [("highway", 120), ("w0", 200)])
+@pytest.mark.parametrize(("name", "duration"), [("highway", 120), ("w0", 300)])
 def test_no_draw_moves(name, duration, drawn):
     seen = {}
     for strategy, penetration in (("none", 1.0), ("zhao2025", 0.4), ("zhao2025", 1.0)):
