@@ -12,6 +12,7 @@ import pytest
 import sumo_nets
 from aeb_sumo import scenarios
 from aeb_sumo.scenarios.demand import Demand, Rider, routes
+from aeb_sumo.simulate import run
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.session import IMPOSED, Session
 from sumo_nets import plain
@@ -217,3 +218,17 @@ def test_any_intersection_can_be_built_and_driven_without_a_collision(values, tm
             collided += [c for c in libsumo.simulation.getCollisions() if "car" in c.collider + c.victim]
         assert libsumo.simulation.getDepartedNumber() + len(libsumo.vehicle.getIDList()) > 0
     assert collided == []
+
+
+def test_who_comes_when_and_how_fast_is_the_same_with_and_without_aeb():
+    seen: dict[str, dict[str, tuple[str, float]]] = {}
+    for strategy in ("none", "zhao2025"):
+        comers = seen.setdefault(strategy, {})
+
+        def note(_: object, comers: dict[str, tuple[str, float]] = comers) -> None:
+            for vehicle in libsumo.simulation.getDepartedIDList():
+                comers[vehicle] = libsumo.vehicle.getTypeID(vehicle), libsumo.vehicle.getSpeedFactor(vehicle)
+
+        run(scenarios.load("w0"), strategy, duration=300, progress=note)
+    assert len(seen["none"]) > 80
+    assert seen["none"] == seen["zhao2025"]
