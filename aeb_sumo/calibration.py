@@ -46,7 +46,7 @@ GRID = (1.6, 1.7, 1.8, 1.9, 2.0)
 ENOUGH = 15
 """Crashes from which on a ratio counts as known (to within a factor of about 1.7 either way), our assumption."""
 
-SHARES = (0.05, 0.1, 0.2, 0.3, 0.45)
+SHARES = (0.0, 0.15, 0.3, 0.45, 0.6)
 """Shares of time with the eyes off the road at which crashes are counted."""
 
 _SCENARIO = "highway"
