@@ -134,10 +134,11 @@ def _draw(shares: Sequence[float], seen: Sequence[Observed], duration: float, se
     errors = [[r.rate - r.low for r in rates], [r.high - r.rate for r in rates]]
     axes.errorbar(x, [r.rate for r in rates], yerr=errors, marker="o", capsize=4, color="#0072B2")
     for at, rate, o in zip(x, rates, seen, strict=True):
-        axes.annotate(str(o.crashes), (at, rate.rate), xytext=(8, -4), textcoords="offset points", color="0.3")
+        axes.annotate(str(o.crashes), (at, rate.rate), xytext=(5, 6), textcoords="offset points", color="0.3")
     axes.set_xlabel("time with the eyes off the road, as drawn [%]")
     axes.set_ylabel("primary rear-end crashes per 1,000 km")
-    axes.set_title(f"Highway without AEB, {seeds} seeds of {duration:g} s; bars: 95 % (exact Poisson)", fontsize=10)
+    axes.set_title(f"Highway without AEB, {seeds} seeds of {duration:g} s; numbers: crashes; bars: 95 %", fontsize=10)
     axes.set_ylim(bottom=0)
+    axes.margins(x=0.08)
     axes.grid(color="0.9")
     return figure
