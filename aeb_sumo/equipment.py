@@ -208,7 +208,8 @@ class Equipment:
         for kind in sorted(self.kinds - VClasses.ALL - {_CARS} - set(types)):
             there = ", ".join(sorted(t for t in types if not t.startswith("DEFAULT_"))) or "none"
             raise InputError(
-                f"equipment of {kind!r}, which is no vehicle class and no vehicle type of the scenario; types: {there}"
+                f"equipment of {kind!r}, which is no vehicle class and no vehicle type that SUMO has read so far; "
+                f"types: {there}"
             )
 
     def of(self, vehicle: str, *, vtype: str, vclass: str, seed: int) -> System | None:

@@ -87,7 +87,7 @@ class Fleet:
 
     def depart(self, slot: int, *, equipped: bool) -> None:
         """A vehicle enters."""
-        self._fit()
+        self.fit()
         self.equipped[slot] = equipped
         self._reset(np.array([slot]))
         if equipped:
@@ -106,7 +106,7 @@ class Fleet:
             disabled: per slot, vehicles whose AEB is out of action (wrecks).
         """
         t, dt = self._traffic, self._traffic.dt
-        self._fit()
+        self.fit()
         off = np.flatnonzero(self.equipped & disabled[: self._capacity])
         if len(off):
             self._reset(off)
@@ -232,7 +232,8 @@ class Fleet:
         for array in (self._aimed, self._aimed_gap, self._hold, self._last_phase, self._next, self.decel):
             array[rows] = 0
 
-    def _fit(self) -> None:
+    def fit(self) -> None:
+        """Make room for all slots."""
         n = self._traffic.capacity
         if n == self._capacity:
             return

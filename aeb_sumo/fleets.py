@@ -46,12 +46,18 @@ class Fleets:
         """Name of the system in a slot; empty without one."""
         return self._names[int(self._which[slot])]
 
+    def fit(self) -> None:
+        """Make room for all slots; persons on foot have some, too."""
+        for fleet in self._fleets:
+            fleet.fit()
+        self._which = fitted(self._which, len(self._fleets[0].equipped))
+
     def depart(self, slot: int, system: str = "") -> None:
         """A vehicle enters, with a system or without."""
+        self.fit()
         which = self._names.index(system)
         for place, fleet in enumerate(self._fleets, 1):
             fleet.depart(slot, equipped=place == which)
-        self._which = fitted(self._which, len(self._fleets[0].equipped))
         self._which[slot] = which
 
     def leave(self, slot: int) -> None:

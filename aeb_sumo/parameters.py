@@ -89,7 +89,7 @@ def _typed(name: str, before: Any, value: Any) -> Any:
     if isinstance(before, int) and isinstance(value, int) and not isinstance(value, bool):
         return value
     if isinstance(before, float) and isinstance(value, (int, float)) and not isinstance(value, bool):
-        return float(value) if abs(value) < _HUGE else np.copysign(np.inf, value)
+        return float(np.clip(value, -_HUGE, _HUGE)) if isinstance(value, int) else value
     if isinstance(before, str) and isinstance(value, str):
         return value
     kind = {int: "a whole number", float: "a number", str: "a text"}.get(type(before), "set in Python, not here")

@@ -171,7 +171,7 @@ class _Run:
         if trace is not None:
             trace.attend(World(self._traffic, self._leads, friction, self._motorists, self._fleet))
         self._interventions = Interventions()
-        self._conflicts = Conflicts(self._traffic, self._error)
+        self._conflicts = Conflicts(self._traffic, self._error, scenario.mu)
         self._book = TrafficBook(self._traffic, session.begin, interval)
         self._crashes: list[dict[str, Any]] = []
         self._equipped = 0
@@ -210,6 +210,7 @@ class _Run:
         t, time = self._traffic, self._session.time
         t.observe()
         self._walkers.observe()
+        self._fleet.fit()
         self._sightlines.step()
         self._override.verify()
         self._comings_and_goings(time)
@@ -332,20 +333,20 @@ class _Run:
         pairs = {tuple(sorted((row["striker"], row["struck"]))) for row in self._crashes}
         for row in self._crashes:
             row["sumo_reported"] = tuple(sorted((row["striker"], row["struck"]))) in wrecks.reported
-        name = Path(self._scenario.name).stem
+        name = "-".join(filter(None, (Path(self._scenario.name).stem, self._scenario.variation)))
         run_id = self._carried.run_id(name, self._seed)
         runs = {
             "scenario": self._scenario.name,
             "strategy": self._carried.name,
             "sensing": self._carried.sensing,
             "parameters": self._carried.parameters,
-            "penetration": self._carried.penetration,
+            "penetration": None if np.isnan(self._carried.penetration) else self._carried.penetration,
             "seed": self._seed,
             "drivers": self._scenario.drivers.name,
             "step_length_s": session.dt,
             "begin_s": session.begin,
             "end_s": session.time,
-            "demand": self._scenario.scale,
+            "demand": self._scenario.scale * self._scenario.factor,
             "ebike_share": self._scenario.demand.ebike_share if self._scenario.demand else None,
             "weather": self._scenario.weather,
             "mu": self._scenario.mu,

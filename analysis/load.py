@@ -10,7 +10,19 @@ from aeb_sumo.results import Results, read
 __all__ = ["Dataset", "load"]
 
 
-_SETTINGS = ("scenario", "penetration", "sensing", "parameters", "drivers", "step_length_s", "mu", "blockage_s")
+_SETTINGS = (
+    "scenario",
+    "demand",
+    "ebike_share",
+    "weather",
+    "penetration",
+    "sensing",
+    "parameters",
+    "drivers",
+    "step_length_s",
+    "mu",
+    "blockage_s",
+)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -71,7 +70,9 @@ def run(
     passenger:zhao2025=0.5,truck:zhao2025/radar=0.2; KIND is a vehicle class or a vehicle type, all cars without it.
     Beside it, --set names the system, too: --set zhao2025.comfort_decel=5.
     """
-    chosen = _scenario(scenario, sumocfg, drivers).varied(**variation)
+    chosen = _scenario(scenario, sumocfg).varied(
+        **variation, drivers=None if drivers is None else profile.load(drivers)
+    )
     if equip is None:
         system = strategies.load("zhao2025" if strategy is None else strategy, parameters)
         carried = equipment(system, sensing=sensing, penetration=penetration)
@@ -106,13 +107,10 @@ def run(
     return 130 if outcome == "interrupted" else 0
 
 
-def _scenario(name: str | None, sumocfg: Path | None, drivers: str | None) -> scenarios.Scenario:
+def _scenario(name: str | None, sumocfg: Path | None) -> scenarios.Scenario:
     if (name is None) == (sumocfg is None):
         raise InputError(f"give one of SCENARIO ({', '.join(scenarios.names())}) and --sumocfg FILE")
-    chosen = scenarios.from_sumocfg(sumocfg) if sumocfg is not None else scenarios.load(str(name))
-    if drivers is None:
-        return chosen
-    return replace(chosen, drivers=profile.load(drivers))
+    return scenarios.from_sumocfg(sumocfg) if sumocfg is not None else scenarios.load(str(name))
 
 
 def _new_folder(name: str) -> Path:

@@ -19,6 +19,7 @@ from aeb_sumo.world.surroundings import Leads
 
 __all__ = ["EVASIVE", "Conflicts"]
 
+_SLIPPERY = 0.9  # of what a slippery road gives: as hard as a near-crash can be there, our assumption
 EVASIVE = 0.5 * G
 """Braking above which an encounter without contact is a near-crash [m/s2], from another source: the 100-Car study."""
 
@@ -96,12 +97,14 @@ class Conflicts:
     Args:
         traffic: all vehicles.
         error: names the error that the driver in one slot makes towards that in another, or is empty.
+        mu: friction coefficient of the road.
     """
 
-    def __init__(self, traffic: Traffic, error: Callable[[int, int], str]) -> None:
+    def __init__(self, traffic: Traffic, error: Callable[[int, int], str], mu: float) -> None:
         self.rows = Rows("conflicts")
         self._traffic = traffic
         self._error = error
+        self._evasive = min(EVASIVE, _SLIPPERY * mu * G)
         self._errors: dict[int, list[str]] = {}
         nobody = np.zeros(0, np.bool_)
         self._open = _Open.of(
@@ -195,7 +198,7 @@ class Conflicts:
         ego = np.where(crosses & known, np.argmax(o.enter, 1), o.worst)
         gap = pet(leave=o.leave[row, 1 - ego], enter=o.enter[row, ego])
         hardest = np.where(crosses, o.max_decel.max(1), o.max_decel[:, 0])
-        near = hardest > EVASIVE
+        near = hardest > self._evasive
         matters = near | np.where(crosses, (gap < _PET) | (o.min_ttc < EXPOSED), o.min_ttc < THREAT)
         t = self._traffic
         for k in range(len(o.key)):

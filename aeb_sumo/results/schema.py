@@ -130,8 +130,14 @@ _CRASHES = _table(
     ),
     ("struck_serious_risk", "float64", "-", "the same for the person on the struck vehicle"),
     ("angle_deg", "float64", "deg", "angle between the headings, 0 to 180"),
-    ("striker_error", "string", "-", "error that its driver was making: `glance`, `hard_braking`, `failure_to_yield`"),
-    ("struck_error", "string", "-", "error that its driver was making"),
+    (
+        "striker_error",
+        "string",
+        "-",
+        "error that its driver was making: `glance`, `hard_braking`, `surprised` (a vehicle ahead brakes hard), "
+        "`failure_to_yield`, `not_seen` (hidden, or too shortly in sight), `red_light`, `robot`; empty for none",
+    ),
+    ("struck_error", "string", "-", "the same of its driver"),
     ("striker_aeb_phase", "int64", "-", "0 nothing, 1 warning, 2 partial, 3 full braking, at contact"),
     ("secondary", "bool", "-", "one of the two had crashed before"),
     ("sumo_reported", "bool", "-", "SUMO's own check reported the pair as well"),
@@ -165,7 +171,7 @@ _INTERVENTIONS = _table(
     ("max_decel_mps2", "float64", "m/s2", "largest deceleration by the AEB's brake"),
     ("speed_reduction_mps", "float64", "m/s", "own speed at the first braking less the lowest speed after it"),
     ("min_gap_m", "float64", "m", "smallest gap to a target meanwhile"),
-    ("driver_error", "string", "-", "error that the driver was making at the beginning"),
+    ("driver_error", "string", "-", "error that the driver was making at the beginning, as in `crashes`"),
     ("x_m", "float64", "m", "front bumper at the beginning, in the network's coordinates"),
     ("y_m", "float64", "m", "front bumper at the beginning, in the network's coordinates"),
 )

@@ -1,6 +1,7 @@
 """What a scenario is."""
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -31,7 +32,9 @@ class Scenario:
         routes: content of a SUMO route file, for scenarios that bring their vehicles as text; empty for none.
         demand: the traffic at `intersection`, which is then what `routes` would be; None for scenarios without.
         intersection: where `demand` goes.
-        scale: factor on all flows.
+        scale: factor on all flows by the scenario's own options.
+        factor: and by whoever runs it.
+        variation: what `varied` made of it, for the name of a run; empty for nothing.
         weather: that `mu` stands for, one of `WEATHER`; empty where nothing is said of it.
         seed: of SUMO and of the drivers; None leaves SUMO's own default or what `options` say.
         step_length: [s]; None leaves it to `options`.
@@ -48,6 +51,8 @@ class Scenario:
     demand: Demand | None = None
     intersection: Intersection | None = None
     scale: float = 1.0
+    factor: float = 1.0
+    variation: str = ""
     weather: str = ""
     seed: int | None = 1
     step_length: float | None = 0.1
@@ -64,13 +69,13 @@ class Scenario:
         """Content of the SUMO route file that the scenario brings as text; empty for none."""
         if self.demand is None or self.intersection is None:
             return self.routes
-        return routes(self.intersection, replace(self.demand, flow=self.demand.flow * self.scale))
+        return routes(self.intersection, replace(self.demand, flow=self.demand.flow * self.factor))
 
     @property
     def sumo_options(self) -> tuple[str, ...]:
         """`options`, and what the other fields make of SUMO's."""
-        own = self.demand is not None or self.scale == 1
-        return self.options if own else (*self.options, "--scale", f"{self.scale:g}")
+        own = self.demand is not None or self.factor == 1
+        return self.options if own else (*self.options, "--scale", f"{self.scale * self.factor:.9g}")
 
     def varied(
         self,
@@ -79,23 +84,27 @@ class Scenario:
         ebike_share: float | None = None,
         weather: str | None = None,
         mu: float | None = None,
+        drivers: Profile | None = None,
     ) -> "Scenario":
-        """The scenario with another demand, share of e-bikes, weather or friction; None leaves what there is.
+        """The scenario with another demand, share of e-bikes, weather, friction or drivers; None leaves what there is.
 
         Args:
             demand: factor on all flows.
             ebike_share: of the road users.
             weather: one of `WEATHER`.
             mu: friction coefficient of the road; wins over that of the weather.
+            drivers: what they do wrong.
 
         Raises:
-            InputError: one is out of range, or the scenario has no share of e-bikes to change.
+            InputError: one is out of range, or the scenario has no flows or no share of e-bikes to change.
         """
         new = self
         if demand is not None:
             if not 0 < demand < np.inf:
                 raise InputError(f"demand must be a positive factor, not {demand:g}")
-            new = replace(new, scale=new.scale * demand)
+            if new.drivers.robots is not None:
+                raise InputError(f"{self.name} has no flows for a demand to multiply")
+            new = replace(new, factor=new.factor * demand)
         if ebike_share is not None:
             if new.demand is None:
                 known = registered(__package__, "SCENARIO").values()
@@ -106,7 +115,19 @@ class Scenario:
             if weather not in WEATHER:
                 raise InputError(f"weather must be one of {', '.join(WEATHER)}, not {weather!r}")
             new = replace(new, weather=weather, mu=WEATHER[weather])
-        return new if mu is None else replace(new, mu=mu)
+        if mu is not None:
+            new = replace(new, mu=mu)
+        if drivers is not None:
+            new = replace(new, drivers=drivers)
+        tags = [
+            self.variation,
+            "" if demand is None else f"demand{demand:g}",
+            "" if ebike_share is None else f"ebikes{ebike_share:g}",
+            weather or "",
+            "" if mu is None else f"mu{mu:g}",
+            "" if drivers is None else Path(drivers.name).stem,
+        ]
+        return replace(new, variation="-".join(tag for tag in tags if tag))
 
 
 def on_network(name: str) -> tuple[str, ...]:

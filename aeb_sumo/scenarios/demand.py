@@ -21,6 +21,7 @@ CAR = (
 )
 """Yan's car (seeds.md 4.4), which stays in the middle of its lane; its speed factor is our assumption."""
 
+_ALIGNMENTS = ("left", "right", "center", "compact", "nice", "arbitrary")
 _TYPES = 20  # e-bike types with a speed each; SUMO itself knows normal distributions of speed only
 
 
@@ -61,8 +62,11 @@ class Rider:
     overtaking: float = within(0.0, 0.0, 100.0)
 
     def __post_init__(self) -> None:
-        """Raises `InputError` for a number that is out of range."""
+        """Raises `InputError` for a number that is out of range, or an alignment that SUMO does not know."""
         check(self)
+        if self.alignment not in _ALIGNMENTS:
+            allowed = ", ".join(_ALIGNMENTS)
+            raise InputError(f"Rider.alignment must be one of {allowed}, not {self.alignment!r}")
 
     def speeds(self) -> list[float]:
         """Speeds of equally frequent types [m/s]: the middles of as many slices of the distribution, capped."""
@@ -165,7 +169,7 @@ def routes(intersection: Intersection, demand: Demand) -> str:
     lines = [CAR, demand.rider.types()]
     lines += [f'<route id="{name}" edges="{" ".join(edges)}"/>' for name, (_, edges, _) in flows.items()]
     lines += [
-        f'<flow id="{name}" type="{kind}" route="{name}" begin="0" end="86400" period="exp({rate:.7f})" '
+        f'<flow id="{name}" type="{kind}" route="{name}" begin="0" end="86400" period="exp({rate:.9g})" '
         f'departLane="best" departSpeed="desired"{aside[kind]}/>'
         for name, (kind, _, rate) in flows.items()
     ]

@@ -162,6 +162,7 @@ class Wrecks:
             slot, speed, walker = hit.struck, hit.struck_speed, hit.striker
         vehicle, striker, struck = t.ids[slot], t.ids[hit.striker], t.ids[hit.struck]
         pair = _pair(striker, struck)
+        self._touched = {p: when for p, when in self._touched.items() if hit.time - when < 10 * t.dt}
         touched, self._touched[pair] = self._touched.get(pair, -np.inf), hit.time
         if hit.approach <= 0 or speed <= _STANDS or hit.time - touched < 2 * t.dt:
             return None

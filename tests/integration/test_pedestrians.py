@@ -110,3 +110,18 @@ def test_who_was_inside_a_standing_car_is_not_run_down_by_it(streets, ahead, cra
                 libsumo.person.moveToXY("0", "", 40.0 + ahead, float(traffic.y[traffic.slot["0"]]), keepRoute=2)
         assert traffic.x[traffic.slot["0"]] > 43
     assert len(found) == crashes
+
+
+def test_more_persons_than_the_vehicles_ever_needed_room_for():
+    """They enter when no vehicle does any more, and one of them is run down."""
+    walk = '<person id="{}" type="ped" depart="{}" departPos="{}"><walk edges="{}" arrivalPos="{}"/></person>'
+    crowd = "".join(walk.format(f"a{k:03}", 7.2, 1 + k * 0.4, "wc", 140) for k in range(100))
+    routes = (
+        '<routes><vType id="car" vClass="passenger" length="4.6" width="1.82" sigma="0" speedDev="0"/>'
+        '<vType id="ped" vClass="pedestrian" speedFactor="1" speedDev="0"/><route id="r" edges="wc ce"/>'
+        '<vehicle id="0" type="car" route="r" depart="6.6" departPos="40" departSpeed="13"/>'
+        f"{crowd}{walk.format('zz', 7.2, 70, 'sc cn', 20)}</routes>"
+    )
+    scenario = Scenario(name="crowd", options=("-n", str(NET)), routes=routes, duration=25.0, drivers=ROBOTS)
+    (crash,) = run(scenario, "none").crashes.itertuples()
+    assert crash.kind == "pedestrian"

@@ -1,11 +1,14 @@
 """Traffic from parameters."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from aeb_sumo import scenarios
+from aeb_sumo.drivers import profile
 from aeb_sumo.errors import InputError
 from aeb_sumo.scenarios.demand import Demand, Rider, routes
 from sumo_nets.intersection import Intersection
@@ -67,7 +70,7 @@ def test_demand_that_cannot_be_is_named(values, message):
 def test_a_scenario_varied():
     w0 = scenarios.load("w0")
     changed = w0.varied(demand=2.0, ebike_share=0.25, weather="wet")
-    assert (changed.scale, changed.demand.ebike_share, changed.weather, changed.mu) == (2.0, 0.25, "wet", 0.5)
+    assert (changed.factor, changed.demand.ebike_share, changed.weather, changed.mu) == (2.0, 0.25, "wet", 0.5)
     assert w0.varied(weather="wet", mu=0.3).mu == 0.3
     assert changed.vehicles == routes(changed.intersection, Demand(flow=2 * Demand().flow, ebike_share=0.25))
     assert w0.varied() == w0
@@ -77,6 +80,19 @@ def test_other_scenarios_are_scaled_by_sumo():
     highway = scenarios.load("highway").varied(demand=0.5)
     assert highway.sumo_options[-2:] == ("--scale", "0.5")
     assert "--scale" not in scenarios.load("highway").sumo_options
+    halved = replace(scenarios.load("highway"), scale=2.0).varied(demand=0.5)
+    assert halved.sumo_options[-2:] == ("--scale", "1"), "also where that undoes the scenario's own factor"
+
+
+def test_what_was_varied_is_in_the_name_of_a_run():
+    varied = scenarios.load("w0").varied(demand=0.5, mu=0.3, drivers=profile.load("careful"))
+    assert varied.variation == "demand0.5-mu0.3-careful"
+    assert scenarios.load("w0").variation == ""
+
+
+def test_robots_have_no_demand():
+    with pytest.raises(InputError, match="track has no flows for a demand to multiply"):
+        scenarios.load("track").varied(demand=2.0)
 
 
 @pytest.mark.parametrize(
