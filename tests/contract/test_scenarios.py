@@ -14,7 +14,7 @@ def scenario(request):
 
 @pytest.fixture(scope="module")
 def pair(scenario):
-    return {1.0: run(scenario, duration=40), "none": run(scenario, "none", duration=40)}
+    return {1.0: run(scenario, duration=30), "none": run(scenario, "none", duration=40)}
 
 
 def test_tables_have_their_schema(pair):
@@ -37,14 +37,14 @@ ZEROS = [
 @pytest.mark.parametrize("nobody", ZEROS, ids=str)
 def test_equipping_nobody_is_none(scenario, pair, nobody):
     """It changes nothing: only what `runs` says of the equipment differs."""
-    zero, none = run(scenario, duration=40, **nobody), pair["none"]
+    zero, none = run(scenario, duration=30, **nobody), pair["none"]
     for name in TABLES:
         labels = ["run_id"] + (["strategy", "sensing", "penetration"] if name == "runs" else [])
         assert zero.frame(name).drop(columns=labels).equals(none.frame(name).drop(columns=labels)), name
 
 
 def test_the_same_run_twice_is_the_same(scenario, pair):
-    again = run(scenario, penetration=1.0, duration=40)
+    again = run(scenario, penetration=1.0, duration=30)
     for name in TABLES:
         assert again.tables[name].equals(pair[1.0].tables[name]), name
 

@@ -220,6 +220,7 @@ def test_any_intersection_can_be_built_and_driven_without_a_collision(values, tm
     assert collided == []
 
 
+@pytest.mark.slow
 def test_who_comes_when_and_how_fast_is_the_same_with_and_without_aeb():
     seen: dict[str, dict[str, tuple[str, float]]] = {}
     for strategy in ("none", "zhao2025"):
