@@ -14,7 +14,7 @@ def scenario(request):
 
 @pytest.fixture(scope="module")
 def pair(scenario):
-    return {1.0: run(scenario, duration=30), "none": run(scenario, "none", duration=40)}
+    return {1.0: run(scenario, duration=30), "none": run(scenario, "none", duration=30)}
 
 
 def test_tables_have_their_schema(pair):
