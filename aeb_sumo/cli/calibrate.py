@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 from matplotlib.figure import Figure
+from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
@@ -77,7 +78,7 @@ def _print(title: str, seen: Observed) -> None:
     for column in ("", "here", "evidence", "mark"):
         table.add_column(column, justify="left")
     for line in lines(seen):
-        table.add_row(line.quantity, line.here, line.evidence, line.mark)
+        table.add_row(escape(line.quantity), line.here, line.evidence, line.mark)
     console(_WIDTH).print(table)
 
 

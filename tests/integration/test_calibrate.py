@@ -19,7 +19,7 @@ def test_the_drivers_of_the_highway_beside_the_evidence(tmp_path):
     for words in (
         "near-crashes per crash",
         "9.3 (100-Car)",
-        "glance, median",
+        "glance, median [s]",
         "alpha, median",
         "time gap of followers",
     ):
