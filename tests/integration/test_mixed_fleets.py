@@ -42,7 +42,7 @@ def test_until_the_first_action_each_car_sees_and_knows_the_same_as_in_a_run_of_
 
     def recorded(**given):
         trace = Trace()
-        result = run(scenarios.load("w0"), **given, duration=60, trace=trace)
+        result = run(scenarios.load("w0").varied(demand=2.0), **given, duration=60, trace=trace)
         frame = trace.frame()
         return result, frame, frame.loc[frame["phase"] > 0, "time_s"].min()
 
