@@ -186,7 +186,9 @@ class Wrecks:
         heading = np.column_stack([np.cos(t.heading[slots]), np.sin(t.heading[slots])])
         mass = t.mass[slots]
         common = (mass * self.speed[slots]) @ heading / mass.sum()
-        self.speed[slots] = np.maximum(heading @ common, 0.0)
+        # Who was hit at a scheduled stop stays there: SUMO moves nobody from one.
+        held = np.array([libsumo.vehicle.isStopped(t.ids[slot]) for slot in slots.tolist()], np.bool_)
+        self.speed[slots] = np.where(held, 0.0, np.maximum(heading @ common, 0.0))
 
     def _typology(self, hit: Impact, places: list[_Place], headings: list[float], kind: str) -> str:
         vclass = [self.traffic.vclass[slot] for slot in (hit.striker, hit.struck)]
