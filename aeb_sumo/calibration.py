@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from aeb_sumo import scenarios
+from aeb_sumo.criticality import thw
 from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import changed
@@ -127,8 +128,8 @@ class _Watch:
         ]
         if round(time / t.dt) % round(_SAMPLE / t.dt) == 0:
             follows = (leads.lead[rows] >= 0) & (t.speed[rows] > _ROLLS)
-            thw = leads.gap[rows[follows]] / t.speed[rows[follows]]
-            self.headways += thw[thw < _FOLLOWS].tolist()
+            headways = thw(gap=leads.gap[rows[follows]], speed=t.speed[rows[follows]])
+            self.headways += headways[headways < _FOLLOWS].tolist()
 
 
 def observe(profile: Profile, seed: int, duration: float) -> Observed:

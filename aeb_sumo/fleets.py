@@ -20,27 +20,26 @@ class Fleets:
 
     Args:
         fleets: by the name of their system, at least one.
+
+    Attributes:
+        decel: per slot, mean deceleration by the AEB's brake in the coming step [m/s2].
+        demand: per slot, the demand of its strategy in the coming step.
     """
 
     def __init__(self, fleets: Mapping[str, Fleet]) -> None:
         self._names = ("", *fleets)
         self._fleets = tuple(fleets.values())
         self._which: Ints = np.zeros(0, np.int64)  # per slot, place of its system in `_names`
+        self._add_up()
+
+    def _add_up(self) -> None:
+        self.decel: Floats = reduce(np.add, (fleet.decel for fleet in self._fleets))
+        self.demand: Demand = reduce(_sum, (fleet.demand for fleet in self._fleets))
 
     @property
     def equipped(self) -> Bools:
         """Per slot."""
         return self._which > 0
-
-    @property
-    def decel(self) -> Floats:
-        """Per slot, mean deceleration by the AEB's brake in the coming step [m/s2]."""
-        return reduce(np.add, (fleet.decel for fleet in self._fleets))
-
-    @property
-    def demand(self) -> Demand:
-        """Per slot, the demand of its strategy in the coming step."""
-        return reduce(_sum, (fleet.demand for fleet in self._fleets))
 
     def system(self, slot: int) -> str:
         """Name of the system in a slot; empty without one."""
@@ -51,6 +50,7 @@ class Fleets:
         for fleet in self._fleets:
             fleet.fit()
         self._which = fitted(self._which, len(self._fleets[0].equipped))
+        self._add_up()
 
     def depart(self, slot: int, system: str = "") -> None:
         """A vehicle enters, with a system or without."""
@@ -65,11 +65,13 @@ class Fleets:
         for fleet in self._fleets:
             fleet.leave(slot)
         self._which[slot] = 0
+        self._add_up()
 
     def step(self, time: float, disabled: Bools) -> None:
         """See `Fleet.step`."""
         for fleet in self._fleets:
             fleet.step(time, disabled)
+        self._add_up()
 
     def active(self) -> list[tuple[int, Target | None]]:
         """See `Fleet.active`; in the order of the slots."""

@@ -11,7 +11,7 @@ from aeb_sumo.perception.noise import Keys
 from aeb_sumo.perception.sensor import overlap
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_step
-from aeb_sumo.soa import Bools, Floats, Ints, joined, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, find, joined, put, take
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import lateral_position
@@ -126,10 +126,7 @@ class Lookout:
         They are watched for as long as a track survives without a detection, and count at once if they return.
         """
         last, serials = self._pairs, self._numbers(pairs)
-        order = np.argsort(self._serials)
-        place = np.searchsorted(self._serials, serials, sorter=order)
-        at = order[np.minimum(place, len(order) - 1)] if len(order) else np.zeros(len(serials), np.int64)
-        known = (self._serials[at] == serials) if len(order) else np.zeros(len(serials), np.bool_)
+        at, known = find(serials, self._serials)
         self._absent = np.where(last.candidate, 0.0, self._absent) + self._traffic.dt
         gone = self._absent < self._suite.coast * self._suite.cycle + self._traffic.dt / 2
         gone[at[known]] = False

@@ -70,7 +70,6 @@ class Motorists:
         self.away: Bools = np.zeros(0, np.bool_)
         self.attentive: Bools = np.zeros(0, np.bool_)
         self._until: Floats = np.zeros(0)  # attentive until [s]
-        self._driven: Bools = np.zeros(0, np.bool_)
         self._surprise: Floats = np.zeros(0)
         self._held: Floats = np.zeros(0)
         self.noticed: list[Notice] = []
@@ -80,19 +79,16 @@ class Motorists:
     def depart(self, slot: int, vehicle: str, time: float) -> None:
         """A vehicle enters."""
         self._fit()
-        driven = self._traffic.vclass[slot] in VClasses.DRIVEN
-        robots = self._profile.robots is not None
-        self._driven[slot] = driven and not robots
         model = self._model(slot)
         self._surprise[slot] = np.inf if model is None else model.surprise
         self._until[slot], self.away[slot], self.attentive[slot] = 0.0, False, False
-        if driven or robots:
+        if self._traffic.driven[slot] or self._profile.robots is not None:
             self._lapses.depart(slot, vehicle, time)
 
     def leave(self, slot: int, vehicle: str) -> None:
         """A vehicle is gone."""
         self._lapses.leave(slot, vehicle)
-        self._driven[slot] = self.away[slot] = self.attentive[slot] = False
+        self.away[slot] = self.attentive[slot] = False
         self._reacting.pop(slot, None)
         self._alerts.pop(slot, None)
 
@@ -183,7 +179,7 @@ class Motorists:
     def _surprised(self, wrecked: Bools) -> None:
         """Followers of those who brake harder than anyone expects."""
         t = self._traffic
-        rows = t.present[self._driven[t.present]]
+        rows = t.present[t.driven[t.present]]
         lead = self._leads.lead[rows]
         hard = (lead >= 0) & (t.accel[np.maximum(lead, 0)] < -self._surprise[rows])
         for slot, ahead in zip(rows[hard].tolist(), lead[hard].tolist(), strict=True):
@@ -274,5 +270,5 @@ class Motorists:
     def _fit(self) -> None:
         n = self._traffic.capacity
         self._lapses.fit(n)
-        for name in ("erring", "accel", "away", "attentive", "_until", "_driven", "_surprise", "_held"):
+        for name in ("erring", "accel", "away", "attentive", "_until", "_surprise", "_held"):
             setattr(self, name, fitted(getattr(self, name), n))

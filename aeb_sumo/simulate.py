@@ -4,7 +4,6 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,8 +13,8 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.fleet import Fleet, Target
 from aeb_sumo.fleets import Fleets
 from aeb_sumo.ledger.conflicts import Conflicts
+from aeb_sumo.ledger.crashes import Crashes
 from aeb_sumo.ledger.interventions import Action, Interventions
-from aeb_sumo.ledger.severity import risks
 from aeb_sumo.ledger.traffic import TrafficBook
 from aeb_sumo.motorists import Motorists
 from aeb_sumo.perception.suites import Suite
@@ -173,7 +172,7 @@ class _Run:
         self._interventions = Interventions()
         self._conflicts = Conflicts(self._traffic, self._error, scenario.mu)
         self._book = TrafficBook(self._traffic, session.begin, interval)
-        self._crashes: list[dict[str, Any]] = []
+        self._crashes = Crashes(self._traffic, self._fleet, self._error)
         self._equipped = 0
         self._warnings: list[tuple[str, str]] = []  # who is being warned, and of whom
 
@@ -196,7 +195,7 @@ class _Run:
                         self._session.time - begin,
                         None if end is None else end - begin,
                         len(self._traffic.present),
-                        len(self._crashes),
+                        len(self._crashes.rows),
                         len(self._interventions.rows),
                     )
                 )
@@ -264,39 +263,8 @@ class _Run:
         return self._violations.error(slot, other) or self._motorists.error(slot)
 
     def _book_crash(self, crash: Crash) -> None:
-        t, hit = self._traffic, crash.impact
-        self._crashes.append(
-            {
-                "crash_id": len(self._crashes),
-                "time_s": hit.time,
-                "kind": crash.kind,
-                "typology": crash.typology,
-                "x_m": hit.x,
-                "y_m": hit.y,
-                "lane": crash.lane,
-                "impact_speed_mps": hit.impact_speed,
-                "angle_deg": float(np.degrees(hit.angle)),
-                "secondary": crash.secondary,
-                "striker": crash.striker,
-                "struck": crash.struck,
-                "striker_speed_mps": hit.striker_speed,
-                "struck_speed_mps": hit.struck_speed,
-                "striker_delta_v_mps": hit.striker_delta_v,
-                "struck_delta_v_mps": hit.struck_delta_v,
-                "striker_vclass": t.vclass[hit.striker],
-                "struck_vclass": t.vclass[hit.struck],
-                "striker_vtype": t.vtype[hit.striker],
-                "struck_vtype": t.vtype[hit.struck],
-                "striker_equipped": bool(self._fleet.equipped[hit.striker]),
-                "struck_equipped": bool(self._fleet.equipped[hit.struck]),
-                "striker_strategy": self._fleet.system(hit.striker),
-                "struck_strategy": self._fleet.system(hit.struck),
-                "striker_error": self._error(hit.striker, hit.struck),
-                "struck_error": self._error(hit.struck, hit.striker),
-                "striker_aeb_phase": int(self._fleet.demand.phase[hit.striker]),
-            }
-            | risks(hit, crash.kind, t.vclass)
-        )
+        hit = crash.impact
+        self._crashes.book(crash)
         self._conflicts.crash(hit.striker, hit.struck)
         self._interventions.close(crash.striker, "crash", hit.striker_speed)
         self._interventions.close(crash.struck, "crash", hit.struck_speed)
@@ -330,9 +298,7 @@ class _Run:
         self._interventions.close_all()
         self._conflicts.close_all()
         self._book.close_interval(session.time)
-        pairs = {tuple(sorted((row["striker"], row["struck"]))) for row in self._crashes}
-        for row in self._crashes:
-            row["sumo_reported"] = tuple(sorted((row["striker"], row["struck"]))) in wrecks.reported
+        confirmed = self._crashes.reconcile(wrecks.reported.keys())
         name = "-".join(filter(None, (Path(self._scenario.name).stem, self._scenario.variation)))
         run_id = self._carried.run_id(name, self._seed)
         runs = {
@@ -355,10 +321,10 @@ class _Run:
             "reason": reason,
             "vehicles": self._traffic.inserted,
             "equipped": self._equipped,
-            "crashes": len(self._crashes),
+            "crashes": len(self._crashes.rows),
             "sumo_collisions": len(wrecks.reported),
-            "confirmed_by_sumo": len(pairs & set(wrecks.reported)),
-            "sumo_only": len(set(wrecks.reported) - pairs),
+            "confirmed_by_sumo": confirmed,
+            "sumo_only": len(wrecks.reported) - confirmed,
             "contacts_dismissed": len(wrecks.dismissed),
             "override_commands": audit.commands,
             "override_violations": audit.violations,
@@ -369,7 +335,7 @@ class _Run:
         }
         tables = {
             "runs": [runs],
-            "crashes": self._crashes,
+            "crashes": self._crashes.rows,
             "exposure": self._book.exposure(),
             "traffic": self._book.rows,
         }

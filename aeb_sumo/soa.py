@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Bools", "Floats", "Ints", "fitted", "joined", "put", "take"]
+__all__ = ["Bools", "Floats", "Ints", "find", "fitted", "joined", "put", "take"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -29,6 +29,19 @@ def put(struct: S, rows: Ints | Bools, values: S) -> None:
     """Write `values` into `rows` of `struct`, in place."""
     for f in fields(struct):  # type: ignore[arg-type]
         getattr(struct, f.name)[rows] = getattr(values, f.name)
+
+
+def find(keys: Ints, among: Ints) -> tuple[Ints, Bools]:
+    """Where keys (n,) stand among others, all of which differ, in any order.
+
+    Returns:
+        (n,) rows of `among`, and (n,) whether the key is there; where it is not, the row means nothing.
+    """
+    if not len(among):
+        return np.zeros(len(keys), np.int64), np.zeros(len(keys), np.bool_)
+    order = np.argsort(among)
+    at = order[np.minimum(np.searchsorted(among, keys, sorter=order), len(order) - 1)]
+    return at, among[at] == keys
 
 
 def fitted(array: NDArray[Any], size: int) -> NDArray[Any]:

@@ -1,8 +1,8 @@
 """Builds the networks from their plain-XML sources: `python -m sumo_nets.build [NAME ...]`.
 
 Each folder holds `{name}.netccfg`, the netconvert configuration that makes `{name}.net.xml`, and, where the sources
-are computed, a `sources.py` with `write(target)`. Needs netconvert (PyPI `eclipse-sumo`, extras `nets` and `dev`); the
-built nets are committed, so running the platform does not.
+are computed, a `sources.py`: with an `INTERSECTION`, or with `write(target)`. Needs netconvert (PyPI `eclipse-sumo`,
+extras `nets` and `dev`); the built nets are committed, so running the platform does not.
 """
 
 import importlib
@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import sumo_nets
+from sumo_nets import plain
 
 __all__ = ["build", "convert"]
 
@@ -29,7 +30,11 @@ def build(name: str, target: Path) -> Path:
             for path in source.glob(pattern):
                 shutil.copy(path, target)
     if (source / "sources.py").exists():
-        importlib.import_module(f"sumo_nets.{name}.sources").write(target)
+        sources = importlib.import_module(f"sumo_nets.{name}.sources")
+        if hasattr(sources, "INTERSECTION"):
+            plain.write(sources.INTERSECTION, target, name)
+        else:
+            sources.write(target)
     return convert(target, name)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from aeb_sumo.criticality import EXPOSED, pet, time_below
 from aeb_sumo.ledger.encounters import THREAT, Pairs, crossing, following
 from aeb_sumo.ledger.rows import Rows
-from aeb_sumo.soa import Bools, Floats, Ints, joined, take
+from aeb_sumo.soa import Bools, Floats, Ints, find, joined, take
 from aeb_sumo.units import G
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
@@ -153,13 +153,10 @@ class Conflicts:
 
     def _rows_of(self, pairs: Pairs, time: float, equipped: Bools) -> Ints:
         """Where the pairs are among the open encounters; those that are not there yet begin."""
-        order = np.argsort(self._open.key)
-        place = np.searchsorted(self._open.key, pairs.key, sorter=order)
-        at = order[np.minimum(place, len(order) - 1)] if len(order) else np.zeros(len(pairs.key), np.int64)
-        new = self._open.key[at] != pairs.key if len(order) else np.ones(len(pairs.key), np.bool_)
-        if new.any():
-            t, fresh = self._traffic, take(pairs, new)
-            at[new] = len(order) + np.arange(len(fresh.key))
+        at, known = find(pairs.key, self._open.key)
+        if not known.all():
+            t, fresh = self._traffic, take(pairs, ~known)
+            at[~known] = len(self._open.key) + np.arange(len(fresh.key))
             where = np.column_stack([t.x[fresh.slots], t.y[fresh.slots]])[:, [0, 2, 1, 3]]
             self._open = joined(self._open, _Open.of(fresh, time, where, equipped[fresh.slots]))
         return at

@@ -32,7 +32,7 @@ class Pairs:
         slots: (k, 2) the ego and its lead; at crossings the earlier in the run first.
         second: column of `slots` of who would come second; 0 for followers.
         threat: their TTC is below `THREAT`, or both are where their paths cross.
-            gap: bumper to bumper; at crossings distance of the bodies [m].
+        gap: bumper to bumper; at crossings distance of the bodies [m].
         ttc, ttc2: [s].
         drac, required: decelerations that the second needs [m/s2].
         zone: (k, 4) first column's distances to where the crossing begins and ends, then the second's [m]; nan for

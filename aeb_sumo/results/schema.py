@@ -81,7 +81,12 @@ _RUNS = _table(
     ("sumo_only", "int64", "-", "pairs that SUMO reported and the platform did not count"),
     ("contacts_dismissed", "int64", "-", "pairs that touched on lanes that have nothing to do with each other"),
     ("override_commands", "int64", "-", "speeds commanded"),
-    ("override_violations", "int64", "-", "commands that SUMO did not execute within 0.001 m/s; should be 0"),
+    (
+        "override_violations",
+        "int64",
+        "-",
+        "commands not executed within 0.001 m/s, but at scheduled stops; should be 0",
+    ),
     ("override_worst_mps", "float64", "m/s", "largest difference between commanded and executed speed"),
     ("teleports", "int64", "-", "vehicles that SUMO took off the road to put them elsewhere"),
     ("aeb_sumo_version", "string", "-", "version of this program"),

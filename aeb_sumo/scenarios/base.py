@@ -9,7 +9,7 @@ import sumo_nets
 from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.errors import InputError
 from aeb_sumo.registry import registered
-from aeb_sumo.scenarios.demand import LATERAL_RESOLUTION, Demand, routes
+from aeb_sumo.scenarios.demand import OPTIONS, Demand, routes
 from aeb_sumo.world.friction import MU_RANGE, Stretch
 from sumo_nets.intersection import Intersection
 
@@ -136,30 +136,21 @@ def on_network(name: str) -> tuple[str, ...]:
     return ("--net-file", str(folder / f"{name}.net.xml"), "--route-files", str(folder / f"{name}.rou.xml"))
 
 
-def at_intersection(
-    name: str, intersection: Intersection, demand: Demand, drivers: Profile, *, net: str = "", duration: float = 1800.0
-) -> Scenario:
+def at_intersection(name: str, intersection: Intersection, demand: Demand, drivers: Profile) -> Scenario:
     """A scenario at one of the intersections of `sumo_nets`.
 
     Args:
-        name: of the scenario.
+        name: of the scenario and of the network.
         intersection: what the net was built from.
         demand: its traffic.
         drivers: what they do wrong.
-        net: name of the network; that of the scenario by default.
-        duration: [s].
     """
-    files = sumo_nets.folder(net or name) / (net or name)
+    files = sumo_nets.folder(name) / name
     return Scenario(
         name=name,
-        # A wreck in the middle of the junction can lock up everyone around it; SUMO's way out is to teleport, after
-        # 300 s by default. 90 s is our assumption: the 60 s that wrecks stand, and a phase of the signal.
-        options=(
-            *("--net-file", f"{files}.net.xml", "--additional-files", f"{files}.add.xml"),
-            *("--lateral-resolution", f"{LATERAL_RESOLUTION:g}", "--time-to-teleport", "90"),
-        ),
+        options=("--net-file", f"{files}.net.xml", "--additional-files", f"{files}.add.xml", *OPTIONS),
         drivers=drivers,
         demand=demand,
         intersection=intersection,
-        duration=duration,
+        duration=1800.0,
     )

@@ -10,10 +10,17 @@ from aeb_sumo.parameters import check, within
 from aeb_sumo.units import KMH
 from sumo_nets.intersection import ARMS, LEFT, OPPOSITE, RIGHT, Intersection
 
-__all__ = ["CAR", "LATERAL_RESOLUTION", "Demand", "Rider", "routes"]
+__all__ = ["CAR", "LATERAL_RESOLUTION", "OPTIONS", "TELEPORT_AFTER", "Demand", "Rider", "routes"]
 
 LATERAL_RESOLUTION = 0.35
 """Width of SUMO's sublanes [m], our assumption: half of an e-bike."""
+
+TELEPORT_AFTER = 90
+"""When SUMO takes away who cannot go on [s]. A wreck in the middle of a junction can lock up everyone around it; SUMO's
+own value is 300. Our assumption: the 60 s that wrecks stand, and a phase of the signal."""
+
+OPTIONS = ("--lateral-resolution", f"{LATERAL_RESOLUTION:g}", "--time-to-teleport", f"{TELEPORT_AFTER:g}")
+"""What SUMO needs for this traffic."""
 
 CAR = (
     '<vType id="car" vClass="passenger" length="4.6" width="1.82" speedFactor="normc(0.9,0.1,0.6,1.2)" '

@@ -9,7 +9,7 @@ from typing import Any
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import changed
-from aeb_sumo.scenarios.demand import LATERAL_RESOLUTION, Demand, routes
+from aeb_sumo.scenarios.demand import LATERAL_RESOLUTION, TELEPORT_AFTER, Demand, routes
 from sumo_nets import plain
 from sumo_nets.build import convert
 from sumo_nets.intersection import Intersection
@@ -33,7 +33,7 @@ _CONFIGURATION = """<configuration>
     </time>
     <processing>
         <lateral-resolution value="{resolution:g}"/>
-        <time-to-teleport value="90"/>
+        <time-to-teleport value="{teleport:g}"/>
     </processing>
 </configuration>
 """
@@ -84,7 +84,7 @@ def write(intersection: Intersection, demand: Demand, folder: Path) -> Path:
         made.mkdir()
         plain.write(intersection, made, NAME)
         (made / f"{NAME}.rou.xml").write_text(routes(intersection, demand), encoding="utf-8")
-        configuration = _CONFIGURATION.format(name=NAME, resolution=LATERAL_RESOLUTION)
+        configuration = _CONFIGURATION.format(name=NAME, resolution=LATERAL_RESOLUTION, teleport=TELEPORT_AFTER)
         (made / f"{NAME}.sumocfg").write_text(configuration, encoding="utf-8")
         try:
             convert(made, NAME)

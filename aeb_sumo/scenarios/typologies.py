@@ -3,7 +3,7 @@
 import sumo_nets
 from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.scenarios.base import Scenario
-from aeb_sumo.scenarios.demand import CAR, LATERAL_RESOLUTION, Rider
+from aeb_sumo.scenarios.demand import CAR, OPTIONS, Rider
 
 __all__ = ["conflict"]
 
@@ -33,7 +33,7 @@ def conflict(
     """
     flows = "\n".join(
         f'    <route id="{kind}" edges="{" ".join(edges)}"/>\n'
-        f'    <flow id="{kind}" type="{kind}" route="{kind}" begin="0" end="86400" period="exp({flow / 3600:.7f})" '
+        f'    <flow id="{kind}" type="{kind}" route="{kind}" begin="0" end="86400" period="exp({flow / 3600:.9g})" '
         f'departLane="{lane}" departSpeed="desired"/>'
         for kind, edges, flow, lane in (
             ("car", cars, cars_per_hour, "best"),
@@ -42,10 +42,7 @@ def conflict(
     )
     return Scenario(
         name=name,
-        options=(
-            *("--net-file", str(sumo_nets.folder(net) / f"{net}.net.xml")),
-            *("--lateral-resolution", f"{LATERAL_RESOLUTION:g}", "--time-to-teleport", "90"),
-        ),
+        options=("--net-file", str(sumo_nets.folder(net) / f"{net}.net.xml"), *OPTIONS),
         routes=f"<routes>\n    {car}\n    {Rider().types()}\n{flows}\n</routes>\n",
         drivers=drivers,
         duration=600.0,

@@ -37,7 +37,7 @@ _CAR_MASS = 1500.0
 
 
 _MOTION = ("x", "y", "heading", "speed")
-_OTHER = ("accel", "length", "width", "min_gap", "mass", "serial", "vulnerable", "here", "fresh")
+_OTHER = ("accel", "length", "width", "min_gap", "mass", "serial", "vulnerable", "driven", "here", "fresh")
 _ARRAYS = (*_MOTION, *("old_" + name for name in _MOTION), *_OTHER)
 
 
@@ -61,6 +61,7 @@ class Traffic:
         length, width, min_gap, mass: [m], [m], [m], [kg].
         serial: running number of the vehicle or walker, from 1, which tells it from others that had its slot.
         vulnerable: a two-wheeler or a pedestrian.
+        driven: a motor vehicle with a driver.
         here: on the network now.
         fresh: no earlier state (just inserted, or back from a teleport): old equals new.
         teleports: how often a vehicle has been taken off the road to be put back elsewhere.
@@ -86,6 +87,7 @@ class Traffic:
         self.mass: Floats = none
         self.serial: Floats = none
         self.vulnerable: Bools = np.zeros(0, np.bool_)
+        self.driven: Bools = np.zeros(0, np.bool_)
         self.here: Bools = np.zeros(0, np.bool_)
         self.fresh: Bools = np.zeros(0, np.bool_)
         self.ids: list[str] = []
@@ -193,6 +195,7 @@ class Traffic:
         self.length[slot], self.width[slot], self.min_gap[slot] = length, width, 0.0
         self.mass[slot] = _MASS.get(vclass, _CAR_MASS)
         self.vulnerable[slot] = vclass in VClasses.VULNERABLE
+        self.driven[slot] = vclass in VClasses.DRIVEN
         self._admitted += 1
         self.serial[slot] = self._admitted
         return slot

@@ -7,7 +7,7 @@ import libsumo
 import numpy as np
 
 from aeb_sumo.perception.crossing import crossing_zone
-from aeb_sumo.soa import Floats, Ints
+from aeb_sumo.soa import Floats, Ints, find
 from aeb_sumo.world.network import Link, Network
 from aeb_sumo.world.observe import Traffic
 
@@ -98,7 +98,7 @@ class Paths:
         self.users: list[tuple[Path, float]] = []
         self._junctions: dict[str, int] = {}
         self._junction_of: list[int] = []  # per user
-        # Where the paths of two users cross: sorted keys, and a row for each, nan where they do not.
+        # Where the paths of two users cross: keys, and a row for each, nan where they do not.
         self._keys: Ints = np.zeros(0, np.int64)
         self._zones: Floats = np.zeros((0, 4))
         none = np.zeros(0, np.int64)
@@ -191,18 +191,13 @@ class Paths:
     def _zones_of(self, own: Ints, other: Ints) -> Floats:
         """(k, 4) where the paths of two users cross: from and to along the own, from and to along the other [m]."""
         keys = own * 2**32 + other
-        place = np.searchsorted(self._keys, keys)
-        known = np.zeros(len(keys), np.bool_)
-        inside = place < len(self._keys)
-        known[inside] = self._keys[place[inside]] == keys[inside]
+        at, known = find(keys, self._keys)
         if not known.all():
             new = np.unique(keys[~known])
-            zones = np.array([self._zone(*divmod(key, 2**32)) for key in new.tolist()])
-            keep = np.argsort(np.concatenate([self._keys, new]))
-            self._keys = np.concatenate([self._keys, new])[keep]
-            self._zones = np.concatenate([self._zones, zones])[keep]
-            place = np.searchsorted(self._keys, keys)
-        result: Floats = self._zones[place]
+            self._keys = np.concatenate([self._keys, new])
+            self._zones = np.vstack([self._zones, [self._zone(*divmod(key, 2**32)) for key in new.tolist()]])
+            at, _ = find(keys, self._keys)
+        result: Floats = self._zones[at]
         return result
 
     def _zone(self, own: int, other: int) -> tuple[float, float, float, float]:

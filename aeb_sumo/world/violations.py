@@ -1,18 +1,18 @@
 """Errors at junctions as they come about in the world: who does not see whom, and who rides at red."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import libsumo
 import numpy as np
 
 from aeb_sumo.drivers.encounters import FailureToYield, Riders
-from aeb_sumo.soa import Bools, Ints, fitted
+from aeb_sumo.soa import Bools
 from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.paths import Paths
+from aeb_sumo.world.sightlines import Sightlines
 from aeb_sumo.world.surroundings import overlook
 
-__all__ = ["EYE", "Sight", "Violations"]
+__all__ = ["EYE", "Violations"]
 
 EYE = 2.0
 """How far behind the front bumper a driver's eyes are [m], our assumption."""
@@ -22,13 +22,6 @@ _AT_LINE = 3.0  # m before a junction at which a rider's signal is read, our ass
 _RED = frozenset("rRuU")
 _RIGHT = frozenset("rR")
 _STOPS_AT_RED = 16  # bit of SUMO's speed mode
-
-
-class Sight(Protocol):
-    """Who can see whom, now."""
-
-    def visible(self, ego: Ints, other: Ints, *, setback: float) -> Bools:
-        """(k,) whether the egos have free sight of the others, eyes `setback` [m] behind their front bumpers."""
 
 
 @dataclass
@@ -54,14 +47,13 @@ class Violations:
         paths: Paths,
         yielding: FailureToYield | None,
         riders: Riders | None,
-        sight: Sight | None,
+        sightlines: Sightlines,
         seed: int,
     ) -> None:
         self._traffic, self._paths, self._seed = traffic, paths, seed
         self._yielding, self._riders = yielding, riders
-        self._sight = sight if yielding is not None and yielding.occlusion else None
+        self._sightlines = sightlines if yielding is not None and yielding.occlusion else None
         self._gives_way: Bools = np.zeros(0, np.bool_)  # per user of `Paths`
-        self._driven: Bools = np.zeros(0, np.bool_)  # per slot
         self._encounters: dict[tuple[str, str], _Encounter] = {}
         self._blind: dict[str, set[str]] = {}
         self._stands: dict[tuple[str, str], float] = {}  # (unaware rider, driver) -> how long the car has stood [s]
@@ -101,9 +93,11 @@ class Violations:
         user[turns.slot] = turns.user
         # Until the tail of one of them is through.
         ahead = (pairs.zone[:, 1] > -t.length[pairs.ego]) & (pairs.zone[:, 3] > -t.length[pairs.other])
-        k = np.flatnonzero(giving[pairs.ego] & self._driven[pairs.ego] & ahead)
+        k = np.flatnonzero(giving[pairs.ego] & t.driven[pairs.ego] & ahead)
         ego, other = pairs.ego[k], pairs.other[k]
-        seen = np.ones(len(k), np.bool_) if self._sight is None else self._sight.visible(ego, other, setback=EYE)
+        seen = np.ones(len(k), np.bool_)
+        if self._sightlines is not None:
+            seen = self._sightlines.visible(ego, other, setback=EYE)
         over = set(self._encounters)
         for slot, other_slot, in_sight in zip(ego.tolist(), other.tolist(), seen.tolist(), strict=True):
             key = t.ids[slot], t.ids[other_slot]
@@ -199,9 +193,6 @@ class Violations:
             overlook(who, unseen)
 
     def _fit(self) -> None:
-        t, users = self._traffic, self._paths.users
+        users = self._paths.users
         if len(self._gives_way) < len(users):
             self._gives_way = np.array([path.gives_way for path, _ in users], np.bool_)
-        self._driven = fitted(self._driven, t.capacity)
-        for slot in t.departed:
-            self._driven[slot] = t.vclass[slot] in VClasses.DRIVEN

@@ -1,4 +1,4 @@
-"""Writes the plain-XML sources of `b2`, type B2 of Yan et al. 2025, Table 1.
+"""`b2`: type B2 of Yan et al. 2025, Table 1.
 
 W2 with a median of 4.6 m: a = 16.3 m = 1.5 + 4.6 + 3 x 3.0 + 0.3 (green strip) + 0.9.
 The widths are our assumption; a is printed ("average width", read as this offset in shared/seeds.md 4.1).
@@ -6,9 +6,6 @@ The widths are our assumption; a is printed ("average width", read as this offse
     python -m sumo_nets.build b2
 """
 
-from pathlib import Path
-
-from sumo_nets import plain
 from sumo_nets.intersection import Intersection
 
 INTERSECTION = Intersection(
@@ -20,8 +17,3 @@ INTERSECTION = Intersection(
     contraflow=True,
     setback=3.0,
 )
-
-
-def write(target: Path) -> None:
-    """Write `b2.*.xml` and `b2.netccfg` into `target`."""
-    plain.write(INTERSECTION, target, "b2")

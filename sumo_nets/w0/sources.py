@@ -1,4 +1,4 @@
-"""Writes the plain-XML sources of `w0`, type W0 of Yan et al. 2025, Table 1.
+"""`w0`: type W0 of Yan et al. 2025, Table 1.
 
 No median, one oncoming lane: a = 4.8 m = half the own lane 1.4 + 2.8 + half the bicycle lane 0.6.
 The widths are our assumption; a is printed ("average width", read as this offset in shared/seeds.md 4.1).
@@ -6,17 +6,9 @@ The widths are our assumption; a is printed ("average width", read as this offse
     python -m sumo_nets.build w0
 """
 
-from pathlib import Path
-
-from sumo_nets import plain
 from sumo_nets.intersection import Intersection
 
 INTERSECTION = Intersection(
     contraflow=True,
     setback=3.0,
 )
-
-
-def write(target: Path) -> None:
-    """Write `w0.*.xml` and `w0.netccfg` into `target`."""
-    plain.write(INTERSECTION, target, "w0")

@@ -1,4 +1,4 @@
-"""Writes the plain-XML sources of `w1`, type W1 of Yan et al. 2025, Table 1.
+"""`w1`: type W1 of Yan et al. 2025, Table 1.
 
 No median, two oncoming lanes: a = 7.9 m = 1.4 + 2 x 2.8 + 0.9.
 The widths are our assumption; a is printed ("average width", read as this offset in shared/seeds.md 4.1).
@@ -6,9 +6,6 @@ The widths are our assumption; a is printed ("average width", read as this offse
     python -m sumo_nets.build w1
 """
 
-from pathlib import Path
-
-from sumo_nets import plain
 from sumo_nets.intersection import Intersection
 
 INTERSECTION = Intersection(
@@ -17,8 +14,3 @@ INTERSECTION = Intersection(
     contraflow=True,
     setback=3.0,
 )
-
-
-def write(target: Path) -> None:
-    """Write `w1.*.xml` and `w1.netccfg` into `target`."""
-    plain.write(INTERSECTION, target, "w1")

@@ -1,4 +1,4 @@
-"""Writes the plain-XML sources of `w2`, type W2 of Yan et al. 2025, Table 1.
+"""`w2`: type W2 of Yan et al. 2025, Table 1.
 
 No median, three oncoming lanes: a = 11.7 m = 1.5 + 3 x 3.0 + 0.3 (green strip) + 0.9.
 The widths are our assumption; a is printed ("average width", read as this offset in shared/seeds.md 4.1).
@@ -6,9 +6,6 @@ The widths are our assumption; a is printed ("average width", read as this offse
     python -m sumo_nets.build w2
 """
 
-from pathlib import Path
-
-from sumo_nets import plain
 from sumo_nets.intersection import Intersection
 
 INTERSECTION = Intersection(
@@ -19,8 +16,3 @@ INTERSECTION = Intersection(
     contraflow=True,
     setback=3.0,
 )
-
-
-def write(target: Path) -> None:
-    """Write `w2.*.xml` and `w2.netccfg` into `target`."""
-    plain.write(INTERSECTION, target, "w2")

@@ -1,4 +1,4 @@
-"""Writes the plain-XML sources of `w2t`, type W2T of Yan et al. 2025, Table 1.
+"""`w2t`: type W2T of Yan et al. 2025, Table 1.
 
 Three arms, our assumption for the T, and three oncoming lanes: a = 11.0 m = 1.4 + 3 x 2.8 + 0.3 (green strip)
 + 0.9.
@@ -7,9 +7,6 @@ The widths are our assumption; a is printed ("average width", read as this offse
     python -m sumo_nets.build w2t
 """
 
-from pathlib import Path
-
-from sumo_nets import plain
 from sumo_nets.intersection import Intersection
 
 INTERSECTION = Intersection(
@@ -20,8 +17,3 @@ INTERSECTION = Intersection(
     contraflow=True,
     setback=3.0,
 )
-
-
-def write(target: Path) -> None:
-    """Write `w2t.*.xml` and `w2t.netccfg` into `target`."""
-    plain.write(INTERSECTION, target, "w2t")
