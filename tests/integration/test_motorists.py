@@ -96,9 +96,13 @@ def test_who_brakes_gently_surprises_nobody(on_track):
 def test_a_glance_holds_the_acceleration_and_crashes_into_a_queue(on_track):
     """Eyes off the road for most of the time, calm or not."""
     blind = Glances(median=15.0, over_two=0.49, share=0.9, calm_ttc=0.0, calm_headway=0.0, calm_accel=99.0)
-    result, ego, _ = follow(on_track, Profile(glances=blind, cars=Looming()), kind="car", gap=80.0, duration=30.0)
+    result, ego, lead = follow(on_track, Profile(glances=blind, cars=Looming()), kind="car", gap=80.0, duration=30.0)
     (crash,) = result.crashes.itertuples()
     assert (crash.striker, crash.striker_error) == ("ego", "glance")
+    assert lead.loc[crash.time_s :, "speed_mps"].max() == 0, (
+        "the lead was at a scheduled stop, from which SUMO moves nobody"
+    )
+    assert result.runs["override_violations"].item() == 0
     before = ego.loc[crash.time_s - 2 : crash.time_s - 0.1, "accel_mps2"]
     assert np.ptp(before) < 1e-6
 
