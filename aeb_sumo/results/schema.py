@@ -194,7 +194,7 @@ _INTERVENTIONS = _table(
         "verdict",
         "string",
         "-",
-        "what it was worth, against a fork of the world in which it does not take place: `avoided` (a crash), `mitigated`, "
+        "what it was worth, against a fork of the world without it: `avoided` (a crash), `mitigated`, "
         "`unchanged`, `worsened` (a crash either way), `induced` (a crash), `precautionary` (a near-crash otherwise), "
         "`unneeded`, `unknown`; empty where no verdict was asked for",
     ),
