@@ -103,7 +103,7 @@ class Conflicts:
     Attributes:
         rows: those that are over and came to matter.
         pairs: who met in the last step.
-        hard: (k, 2) slots of those of them who braked as hard as in a near-crash.
+        hard: (k,) in which of these encounters one braked as hard as in a near-crash.
         ended: rows that the last step added without a crash.
     """
 
@@ -115,7 +115,7 @@ class Conflicts:
         self._errors: dict[int, list[str]] = {}
         nobody = np.zeros(0, np.bool_)
         self.pairs = following(traffic, Leads(traffic), nobody)
-        self.hard = self.pairs.slots
+        self.hard = nobody
         self.ended: list[dict[str, Any]] = []
         self._open = _Open.of(self.pairs, 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_))
 
@@ -139,7 +139,7 @@ class Conflicts:
         o, slots = self._open, pairs.slots
         evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
         braking = np.where(evading, np.maximum(-t.accel[slots], 0.0), 0.0)
-        self.hard = slots[np.where(pairs.key < 0, braking.max(1), braking[:, 0]) > self._evasive]
+        self.hard = np.where(pairs.key < 0, braking.max(1), braking[:, 0]) > self._evasive
         self._note_worst(at, pairs)
         for smallest, value in ((o.min_gap, pairs.gap), (o.min_ttc, pairs.ttc), (o.min_ttc2, pairs.ttc2)):
             smallest[at] = np.minimum(smallest[at], value)
