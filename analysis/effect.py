@@ -95,7 +95,7 @@ def effect(data: Dataset, baseline: str = "none", confidence: float = 0.95) -> p
                 )
                 for relative in (False, True)
             )  # fmt: skip
-            if per == "runs" and value.endswith("crashes") and not aeb[value].sum() and base[value].sum():
+            if value.endswith("crashes") and len(base) > 1 and base[value].any() and not aeb[value].any():
                 percent = _none_left(base, value, aeb["runs"].sum(), percent, confidence)
             notes = dict.fromkeys(note for note in (change.note, percent.note) if note)
             rows.append(

@@ -63,8 +63,8 @@ def _share(counts: pd.Series, crashes: pd.Series, confidence: float, *, part: bo
 def mcnemar_test(data: Dataset, baseline: str = "none") -> pd.DataFrame:
     """Exact McNemar test of pairs that crash in one of the two worlds only, per group of runs with AEB.
 
-    It takes pairs as independent. Those of a pile-up are not: read the row of primary crashes, which leaves out all
-    whose vehicles had crashed before.
+    It takes pairs as independent. Those of a pile-up are not, so the p-value of all crashes is too small: read the row
+    of primary crashes, which leaves out those whose vehicles had crashed before.
 
     Args:
         data: runs with and without AEB.
