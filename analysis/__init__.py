@@ -14,8 +14,9 @@ from analysis.load import Dataset, load
 from analysis.outcomes import mcnemar_test, pair_counts
 from analysis.pairs import pairs, partners
 from analysis.planning import events_needed, exposure_without_events, planning, seeds_needed
-from analysis.rates import poisson_rate, proportion, rate_ratio
-from analysis.statistics import Interval, paired_interval, share_by_seed
+from analysis.rates import poisson_rate, rate_ratio
+from analysis.shares import proportion, share_by_seed
+from analysis.statistics import Interval, paired_interval
 from analysis.throughput import throughput, throughput_impact
 
 __all__ = [
