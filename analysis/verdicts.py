@@ -1,7 +1,7 @@
 """Verdicts: how many interventions were needed, how many were false, and what they passed on to those behind.
 
-Where a run judged a sample of its interventions only, rates are those of the sample by the share of the distance that it
-stands for. Unknown verdicts are counted as such and belong to no rate.
+Where a run judged a sample of its interventions only, rates are those of the sample by the share of the distance that
+it stands for. Unknown verdicts are counted as such and belong to no rate.
 """
 
 from collections.abc import Sequence
@@ -19,6 +19,7 @@ __all__ = ["passed_on", "precision_recall", "verdict_counts", "verdict_rates"]
 _USEFUL = ("avoided", "mitigated")
 _HARMFUL = ("induced", "worsened")
 _KNOWN = [v for v in VERDICTS if v != "unknown"]
+# Column of `interventions` -> that of `crashes` that says the same of a striker with an AEB.
 _CRASHES = {
     "strategy": "striker_strategy",
     "target_vclass": "struck_vclass",
