@@ -15,6 +15,8 @@ from analysis.throughput import throughput
 
 __all__ = ["compare", "summary"]
 
+_SECTIONS = ("runs", "crashes", "conflicts", "interventions", "verdicts", "traffic", "checks")
+
 
 def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     """All figures of one group of runs: (section, figure, unit) -> value."""
@@ -60,10 +62,9 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     figures["interventions", "median TTC at braking", "s"] = ttc.median()
     figures["interventions", "mean peak deceleration", "m/s²"] = braking["max_decel_mps2"].mean()
     figures["interventions", "mean speed reduction", "km/h"] = braking["speed_reduction_mps"].mean() * 3.6
-    verdicts = interventions["verdict"].value_counts()
-    for verdict in VERDICTS:
-        if verdict in verdicts:
-            figures["verdicts", verdict, ""] = verdicts[verdict]
+    verdicts = interventions.loc[interventions["verdict"].isin(VERDICTS), "verdict"].value_counts()
+    figures["verdicts", "interventions with a verdict", ""] = verdicts.sum()
+    figures |= {("verdicts", f"  {verdict}", ""): verdicts[verdict] for verdict in VERDICTS if verdict in verdicts}
     figures["traffic", "arrivals", ""] = flow.arrived
     figures["traffic", "still waiting to enter", ""] = flow.pending
     figures["traffic", "flow", "1/h"] = flow.flow_vph
@@ -88,9 +89,8 @@ def _per_1000_km(count: int, km: float) -> float:
 def _side_by_side(groups: Mapping[str, Dataset]) -> pd.DataFrame:
     columns = {name: pd.Series(_figures(part), dtype=float) for name, part in groups.items()}
     # Not every group has every kind of crash: keep the order of sections and figures as they come.
-    order = dict.fromkeys(key for section in ("runs", "crashes", "conflicts", "interventions", "verdicts", "traffic", "checks")
-                          for column in columns.values() for key in column.index if key[0] == section
-                          and not key[1].startswith("  "))  # fmt: skip
+    order = dict.fromkeys(key for section in _SECTIONS for column in columns.values() for key in column.index
+                          if key[0] == section and not key[1].startswith("  "))  # fmt: skip
     rows = []
     for key in order:
         rows.append(key)
