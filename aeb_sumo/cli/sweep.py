@@ -71,6 +71,10 @@ def sweep(
             chosen, strategy, name, values, seeds=range(1, seeds + 1), parameters=parameters, sensing=sensing,
             verdicts=verdicts, done=lambda: bar.advance(task), **options,
         )  # fmt: skip
+    if folder is not None:
+        for one in results:
+            store.write(one, folder)
+        click.echo(f"Tables in {folder}.")
     parts = {
         f"{name}={value:g}": Results.joined([*results[:seeds], *results[(k + 1) * seeds : (k + 2) * seeds]])
         for k, value in enumerate(values)
@@ -79,10 +83,6 @@ def sweep(
     print_frame(_together(data), f"{scenario}, {strategy}: interventions that were needed, crashes avoided")
     for by in _BY:
         print_frame(_together(data, by), f"{scenario}, {strategy}: by {by.replace('_', ' ')}")
-    if folder is not None:
-        for one in results:
-            store.write(one, folder)
-        click.echo(f"Tables in {folder}.")
     if figure is not None:
         _draw(_together(data), f"{scenario}, {strategy}, {seeds} seeds").savefig(figure, dpi=160)
     return 0
@@ -90,18 +90,16 @@ def sweep(
 
 def _values(text: str) -> tuple[str, list[float]]:
     name, _, numbers = text.partition("=")
-    values = [parse([f"{name}={number}"])[name] for number in numbers.split(",")] if numbers else []
-    if not name or not values or not all(isinstance(v, int | float) for v in values) or len({*values}) < len(values):
-        raise InputError(
-            f"NAME=VALUE,VALUE,... expected, all different numbers, for example brake_ttc=0.5,1; not {text!r}"
-        )
+    values = [parse((f"{name}={number}",))[name] for number in numbers.split(",")] if name and numbers else []
+    if not values or not all(isinstance(v, int | float) for v in values) or len({*values}) < len(values):
+        raise InputError(f"write NAME=VALUE,VALUE,... with different numbers, such as brake_ttc=0.5,1; not {text!r}")
     return name, values
 
 
 def _together(data: dict[str, analysis.Dataset], by: str | None = None) -> pd.DataFrame:
     """Precision and recall, value by value."""
     frames = {key: analysis.precision_recall(part, by) for key, part in data.items()}
-    return pd.concat({key: frame.droplevel(0) if by else frame.reset_index(drop=True) for key, frame in frames.items()})
+    return pd.concat(frames).droplevel(1)  # the group, of which each has one
 
 
 def _draw(frame: pd.DataFrame, title: str) -> Figure:
@@ -118,9 +116,8 @@ def _draw(frame: pd.DataFrame, title: str) -> Figure:
         marker="o", capsize=3, color="#0072B2", ecolor="#9BC3E0",
     )  # fmt: skip
     for value, row in percent.iterrows():
-        label = value[0] if isinstance(value, tuple) else value
         axes.annotate(
-            str(label), (row["recall"], row["precision"]), xytext=(6, 6), textcoords="offset points", color="0.3"
+            str(value), (row["recall"], row["precision"]), xytext=(6, 6), textcoords="offset points", color="0.3"
         )
     axes.set_xlabel("recall: crashes avoided of those that cars with the AEB would strike [%]")
     axes.set_ylabel("precision: interventions that avoided\nor mitigated a crash [%]")
