@@ -11,6 +11,7 @@ __all__ = ["Interval", "caution", "paired_interval", "unknown"]
 
 FEW_SEEDS = 6  # our assumption: below so many, `note` says so, see `caution`
 LOG_RATIO = "t by seed of the log ratio"
+POISSON = "score of two Poisson rates"
 _RESAMPLED = 4  # fewer seeds are too few to resample
 _CAP = 2.0  # times the t quantile, our assumption: the choice by coverage and width, see `paired_interval`
 _DRAWS = 9999  # our assumption, see `_resamples`
