@@ -18,6 +18,7 @@ from analysis.rates import poisson_rate, rate_ratio
 from analysis.shares import proportion, share_by_seed
 from analysis.statistics import Interval, paired_interval
 from analysis.throughput import throughput, throughput_impact
+from analysis.verdicts import passed_on, precision_recall, verdict_counts, verdict_rates
 
 __all__ = [
     "Dataset",
@@ -41,8 +42,10 @@ __all__ = [
     "paired_interval",
     "pairs",
     "partners",
+    "passed_on",
     "planning",
     "poisson_rate",
+    "precision_recall",
     "proportion",
     "rate_ratio",
     "run_figures",
@@ -51,4 +54,6 @@ __all__ = [
     "summary",
     "throughput",
     "throughput_impact",
+    "verdict_counts",
+    "verdict_rates",
 ]

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from aeb_sumo.criticality import EXPOSED, pet, time_below
+from aeb_sumo.criticality import EVASIVE, EXPOSED, pet, time_below
 from aeb_sumo.ledger.encounters import THREAT, Pairs, crossing, following
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.soa import Bools, Floats, Ints, find, joined, take
@@ -18,12 +18,9 @@ from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
 from aeb_sumo.world.surroundings import Leads
 
-__all__ = ["EVASIVE", "Conflicts"]
+__all__ = ["Conflicts"]
 
 _SLIPPERY = 0.9  # of what a slippery road gives: as hard as a near-crash can be there, our assumption
-EVASIVE = 0.5 * G
-"""Braking above which an encounter without contact is a near-crash [m/s2], from another source: the 100-Car study."""
-
 _PET = 3.0  # s, our assumption; SSAM counts up to 5
 _PAUSE = 1.0  # s without being a pair after which an encounter is over, our assumption
 _LONGEST_PET = 5.0  # s, how long the second is waited for, from another source: the default of SSAM

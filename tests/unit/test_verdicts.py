@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeb_sumo.errors import InputError
-from aeb_sumo.verdicts import VERDICTS, Choice, Hit, Outcome, verdict
+from aeb_sumo.results import VERDICTS
+from aeb_sumo.verdicts import Choice, Hit, Outcome, verdict
 from aeb_sumo.verdicts.choice import Reservoir
 
 
