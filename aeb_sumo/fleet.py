@@ -9,7 +9,7 @@ from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.grip import Grip
 from aeb_sumo.lookout import Lookout, Targets
 from aeb_sumo.perception.suites import Suite
-from aeb_sumo.soa import Bools, Floats, Ints, fitted, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, fitted, joined, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.footpaths import Footpaths
@@ -119,11 +119,15 @@ class Fleet:
             return
         self.grip.step(rows)
         braking = self._last_phase >= Phase.PARTIAL_BRAKE
-        targets = self._lookout.step(rows, braking=braking, time=time)
+        seeing, targets = self._lookout.step(rows, braking=braking, time=time)
         # The strategy only has work where there is a target, or something to end.
-        unfinished = (self._last_phase[rows] > 0) | self._working(rows)
-        busy = ((targets.slot >= 0) | unfinished).nonzero()[0]
-        rows, targets = rows[busy], take(targets, busy)
+        unfinished = rows[(self._last_phase[rows] > 0) | self._working(rows)]
+        unfinished = unfinished[~np.isin(unfinished, seeing)] if len(unfinished) else unfinished
+        rows = seeing
+        if len(unfinished):
+            rows = np.append(seeing, unfinished)
+            order = np.argsort(rows)
+            rows, targets = rows[order], take(joined(targets, Targets.none(len(unfinished))), order)
         self._forget_others(rows, targets)
         self._rows, self._targets = rows, targets
         if not len(rows):

@@ -83,8 +83,8 @@ class Lookout:
         self._absent: Floats = np.zeros(0)
         self._conflict: Floats = np.zeros(0)
 
-    def step(self, rows: Ints, *, braking: Bools, time: float) -> Targets:
-        """The targets of the vehicles in slots `rows` (rising).
+    def step(self, rows: Ints, *, braking: Bools, time: float) -> tuple[Ints, Targets]:
+        """Those of the vehicles in slots `rows` (rising) that have a target: their slots, rising, and their targets.
 
         Args:
             rows: slots of the equipped vehicles.
@@ -111,7 +111,7 @@ class Lookout:
             counts = ~pairs.crossing | (conflict >= self._suite.persist - self._traffic.dt / 2)
             rank = pairs.gap
         self._pairs, self._tracks, self._conflict = pairs, tracks, conflict
-        return self._chosen(rows, pairs, truth, known, rank, tracks.confirmed & counts & pairs.candidate)
+        return self._chosen(pairs, truth, known, rank, tracks.confirmed & counts & pairs.candidate)
 
     def _numbers(self, pairs: Pairs) -> Ints:
         """One number per pair, which tells it from all others of the run."""
@@ -247,11 +247,10 @@ class Lookout:
         )
 
     def _chosen(
-        self, rows: Ints, pairs: Pairs, truth: Measurable, known: Measurable, rank: Floats, usable: Bools
-    ) -> Targets:
+        self, pairs: Pairs, truth: Measurable, known: Measurable, rank: Floats, usable: Bools
+    ) -> tuple[Ints, Targets]:
         """For each vehicle the usable candidate of the lowest rank; a lead before a crossing one of the same."""
-        t, targets = self._traffic, Targets.none(len(rows))
-        k = usable.nonzero()[0]
+        t, k = self._traffic, usable.nonzero()[0]
         k = k[np.lexsort((pairs.crossing[k], rank[k], pairs.ego[k]))]
         ego = pairs.ego[k]
         k = k[np.diff(ego, prepend=-1) > 0]
@@ -260,20 +259,15 @@ class Lookout:
         waits = crossing & (self._gaze is Gaze.PATH)
         ahead, closing = known.distance[k], known.closing[k]
         error = ahead - truth.distance[k]
-        put(
-            targets,
-            np.searchsorted(rows, ego),
-            Targets(
-                slot=other,
-                crossing=crossing,
-                gap=np.where(waits, np.maximum(pairs.gap[k] + error, 0.0), ahead),
-                speed=np.where(waits, 0.0, t.speed[ego] - closing),
-                accel=np.where(waits, 0.0, t.accel[ego] - known.closing_accel[k]),
-                ahead=ahead,
-                left=known.left[k],
-                closing_ahead=closing,
-                closing_left=known.closing_left[k],
-                vulnerable=t.vulnerable[other],
-            ),
+        return ego, Targets(
+            slot=other,
+            crossing=crossing,
+            gap=np.where(waits, np.maximum(pairs.gap[k] + error, 0.0), ahead),
+            speed=np.where(waits, 0.0, t.speed[ego] - closing),
+            accel=np.where(waits, 0.0, t.accel[ego] - known.closing_accel[k]),
+            ahead=ahead,
+            left=known.left[k],
+            closing_ahead=closing,
+            closing_left=known.closing_left[k],
+            vulnerable=t.vulnerable[other],
         )
-        return targets
