@@ -81,11 +81,14 @@ def distance(a: Boxes, b: Boxes) -> Floats:
 
 def _corners_to_sides(corners: Floats, other: Floats) -> Floats:
     """Smallest distance from any of the corners (n, 4, 2) to any side of the other box, (n,) [m]."""
-    start = other[:, None, :, :]
-    side = np.roll(other, -1, axis=1)[:, None, :, :] - start
-    to = corners[:, :, None, :] - start
-    share = np.clip((to * side).sum(-1) / (side**2).sum(-1), 0.0, 1.0)
-    result: Floats = np.sqrt(((to - share[..., None] * side) ** 2).sum(-1)).min(axis=(1, 2))
+    (x, y), (start_x, start_y) = (np.moveaxis(c, -1, 0) for c in (corners, other))
+    side_x, side_y = (np.concatenate([q[:, 1:], q[:, :1]], 1) - q for q in (start_x, start_y))
+    to_x, to_y = x[:, :, None] - start_x[:, None, :], y[:, :, None] - start_y[:, None, :]
+    side_x, side_y = side_x[:, None, :], side_y[:, None, :]
+    share = (to_x * side_x + to_y * side_y) / (side_x**2 + side_y**2)
+    share = np.minimum(np.maximum(share, 0.0), 1.0)
+    off_x, off_y = to_x - share * side_x, to_y - share * side_y
+    result: Floats = np.sqrt((off_x**2 + off_y**2).min(axis=(1, 2)))
     return result
 
 
