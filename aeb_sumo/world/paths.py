@@ -206,7 +206,9 @@ class Paths:
         """(k, 4) where the paths of two users cross: from and to along the own, from and to along the other [m]."""
         keys = own * 2**32 + other
         at = np.searchsorted(self._keys, keys)
-        known = self._keys[np.minimum(at, len(self._keys) - 1)] == keys if len(self._keys) else np.zeros(len(keys), bool)
+        known = (
+            self._keys[np.minimum(at, len(self._keys) - 1)] == keys if len(self._keys) else np.zeros(len(keys), bool)
+        )
         if not known.all():
             new = np.unique(keys[~known])
             behind = np.searchsorted(self._keys, new)
