@@ -249,6 +249,8 @@ class _Run:
             self._interventions.close(vehicle, "left")
             if vehicle in t.arrived and vehicle not in self._wrecks.removed:
                 self._book.arrive(slot)
+            else:
+                self._book.remove(slot)
         for slot in t.departed:
             vehicle, vclass = t.ids[slot], t.vclass[slot]
             system = self._carried.of(vehicle, vtype=t.vtype[slot], vclass=vclass, seed=self._seed)

@@ -7,7 +7,7 @@ from aeb_sumo.drivers.lapses import Glances
 from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["Leads", "demanding", "lateral_position", "lost", "overlook", "pending"]
+__all__ = ["Leads", "ahead", "demanding", "edges", "lateral_position", "lost", "overlook", "pending"]
 
 _REACH = 150.0  # m, as far as any sensor sees
 _IGNORE_IDS = "junctionModel.ignoreIDs"
@@ -88,6 +88,18 @@ def lost(t: Traffic) -> Floats:
         if speed > 0.1 or not stopped(vehicle):
             shares[k] = max(0.0, 1 - speed / max(min(allowed(vehicle), fastest(vehicle)), 0.1))
     return shares
+
+
+def ahead(t: Traffic, slots: Ints) -> Ints:
+    """(n,) slots of the vehicles ahead of those in `slots`, as SUMO names them; -1 for none within 150 m."""
+    answers = (libsumo.vehicle.getLeader(t.ids[slot], _REACH) for slot in slots.tolist())
+    return np.array([t.slot.get(answer[0], -1) if answer else -1 for answer in answers], np.int64)
+
+
+def edges(t: Traffic, slots: Ints) -> list[tuple[int, str]]:
+    """Slot and edge of those of `slots` that are on an edge; who is in a junction is left out."""
+    on = ((slot, libsumo.vehicle.getRoadID(t.ids[slot])) for slot in slots.tolist())
+    return [(slot, edge) for slot, edge in on if edge and not edge.startswith(":")]
 
 
 def pending() -> dict[str, int]:
