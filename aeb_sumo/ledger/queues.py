@@ -1,4 +1,4 @@
-"""Queues: who stands, stops, waits behind a wreck, and how fast queues discharge; looked at once per second.
+"""Queues: who stands, stops, and waits behind a wreck; looked at once per second.
 
 Definitions, over vehicles that are no wrecks. `share` is the share of the present moment that a vehicle loses against
 driving at the speed it would drive if it were alone (see `aeb_sumo.world.surroundings.lost`); it is 0 at a scheduled
@@ -11,17 +11,14 @@ stop.
   of it, both our assumption.
 * It is *blocked* from when it is queued and its leads, through queued ones, end in a wreck, until it is not queued any
   more: who has found a way round the wreck is blocked until he is up to speed again.
-* It is *discharged* when it ceases to be queued, by the edge on which it was last queued (of a junction: the edge
-  before it). Its headway is the time since the one before was discharged from the same edge, all lanes together, and
-  counts if it was queued by then already: nobody was late, so discharged vehicles by their headways are what the
-  bottleneck lets through, wherever it is, closed lanes and red lights included.
 """
 
 import numpy as np
 
+from aeb_sumo.ledger.bottlenecks import Bottlenecks
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.surroundings import ahead, edges, lost
+from aeb_sumo.world.surroundings import ahead, lost
 
 __all__ = ["Queues", "behind"]
 
@@ -57,15 +54,13 @@ class Queues:
         self._moving: Bools = np.zeros(0, np.bool_)
         self._queued: Bools = np.zeros(0, np.bool_)
         self._blocked: Bools = np.zeros(0, np.bool_)
-        self._since: Floats = np.zeros(0)  # queued [s]
-        self._edge: Ints = np.zeros(0, np.int64)  # on which it was last queued, by number; -1 unknown
-        self._numbers: dict[str, int] = {}
-        self._last: dict[int, float] = {}  # edge -> last discharge from it [s]
+        self._bottlenecks = Bottlenecks(traffic)
 
     def depart(self, slot: int) -> None:
         """A vehicle enters."""
         self._fit()
         self._moving[slot] = self._queued[slot] = self._blocked[slot] = False
+        self._bottlenecks.depart(slot)
 
     def look(self, time: float, span: float, wrecked: Bools) -> dict[str, Floats]:
         """Look at all vehicles present at `time` [s], for a `span` [s] of time.
@@ -79,13 +74,9 @@ class Queues:
         standing = free & (speed < _STANDS) & (shares > 0)
         stops = standing & self._moving[rows]
         self._moving[rows] = (self._moving[rows] & (speed >= _STANDS)) | (speed > _MOVES)
-        before = self._queued[rows]
-        queued = free & (shares > np.where(before, _FREE, _QUEUED))
-        self._since[rows[queued & ~before]] = time
+        queued = free & (shares > np.where(self._queued[rows], _FREE, _QUEUED))
         self._queued[rows] = queued
-        headway = self._headways(time, rows[before & free & ~queued])
-        for slot, edge in edges(t, rows[queued]):
-            self._edge[slot] = self._numbers.setdefault(edge, len(self._numbers))
+        headway = self._bottlenecks.look(time, self._queued)
         return {
             "delay_s": shares * span,
             "standing_s": standing * span,
@@ -94,18 +85,6 @@ class Queues:
             "discharged": np.isin(rows, list(headway)).astype(float),
             "headway_s": np.array([headway.get(slot, 0.0) for slot in rows.tolist()]),
         }
-
-    def _headways(self, time: float, slots: Ints) -> dict[int, float]:
-        """Slot -> headway [s], of those discharged just now that have one that counts."""
-        headways = {}
-        for slot in slots.tolist():
-            edge, since = int(self._edge[slot]), self._since[slot]
-            last = self._last.get(edge, -np.inf)
-            if edge >= 0 and since <= last:
-                headways[slot] = time - last
-            self._last[edge] = time
-            self._edge[slot] = -1
-        return headways
 
     def _are_blocked(self, wrecked: Bools) -> Bools:
         """Per slot."""
@@ -119,7 +98,7 @@ class Queues:
         return self._blocked
 
     def _fit(self) -> None:
-        n, old = self._traffic.capacity, len(self._edge)
-        for name in ("_moving", "_queued", "_blocked", "_since", "_edge"):
-            setattr(self, name, fitted(getattr(self, name), n))
-        self._edge[old:] = -1
+        n = self._traffic.capacity
+        self._moving, self._queued, self._blocked = (
+            fitted(state, n) for state in (self._moving, self._queued, self._blocked)
+        )

@@ -7,7 +7,7 @@ from aeb_sumo.drivers.lapses import Glances
 from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["Leads", "ahead", "demanding", "edges", "lateral_position", "lost", "overlook", "pending"]
+__all__ = ["Leads", "ahead", "demanding", "lanes", "lateral_position", "lost", "overlook", "pending", "to_end"]
 
 _REACH = 150.0  # m, as far as any sensor sees
 _IGNORE_IDS = "junctionModel.ignoreIDs"
@@ -96,10 +96,16 @@ def ahead(t: Traffic, slots: Ints) -> Ints:
     return np.array([t.slot.get(answer[0], -1) if answer else -1 for answer in answers], np.int64)
 
 
-def edges(t: Traffic, slots: Ints) -> list[tuple[int, str]]:
-    """Slot and edge of those of `slots` that are on an edge; who is in a junction is left out."""
-    on = ((slot, libsumo.vehicle.getRoadID(t.ids[slot])) for slot in slots.tolist())
-    return [(slot, edge) for slot, edge in on if edge and not edge.startswith(":")]
+def lanes(t: Traffic, slots: Ints) -> list[str]:
+    """Lanes of the vehicles in these slots; empty for who is in a junction."""
+    names = (libsumo.vehicle.getLaneID(t.ids[slot]) for slot in slots.tolist())
+    return ["" if name.startswith(":") else name for name in names]
+
+
+def to_end(t: Traffic, slots: Ints) -> Floats:
+    """(n,) how far it is to the end of the lane for the vehicles in these slots [m]."""
+    get, length = libsumo.vehicle, libsumo.lane.getLength
+    return np.array([length(get.getLaneID(v)) - get.getLanePosition(v) for v in (t.ids[s] for s in slots.tolist())])
 
 
 def pending() -> dict[str, int]:
