@@ -3,7 +3,7 @@
 A bottleneck is active where a queue stands before it and none behind it (from another source: Daganzo 1997), and what
 leaves the queue then is its capacity after breakdown, the queue discharge flow. It is measured at the end of every lane:
 
-* A queue *stands* at the end of a lane while there is a queued vehicle (see `aeb_sumo.ledger.queues`) within 100 m of
+* A queue *stands* at the end of a lane while there is a queued vehicle (see `aeb_sumo.ledger.queues`) within 300 m of
   it (our assumption) in every look.
 * A vehicle is *discharged* when it enters the next edge of which not more than half of the vehicles are queued (our
   assumption). Its *headway* is the time since the one before left the same lane. Both count if the queue has been
@@ -22,7 +22,7 @@ from aeb_sumo.world.surroundings import lanes, to_end
 
 __all__ = ["Bottlenecks"]
 
-_END = 100.0  # m, our assumption
+_END = 300.0  # m, our assumption
 _SPILLED = 0.5  # share of the vehicles on an edge, our assumption
 
 
