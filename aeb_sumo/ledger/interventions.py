@@ -5,13 +5,11 @@ from typing import Any
 
 import numpy as np
 
+from aeb_sumo.fleets import PAUSE
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.strategies.base import Phase
 
-__all__ = ["PAUSE", "Action", "Interventions"]
-
-PAUSE = 1.0
-"""Two actions of a vehicle with less than this between them are one intervention [s], our assumption."""
+__all__ = ["Action", "Interventions"]
 
 
 @dataclass(frozen=True, kw_only=True)
