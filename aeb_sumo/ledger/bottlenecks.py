@@ -1,7 +1,7 @@
 """Capacity at bottlenecks: what comes out of a queue, wherever one stands.
 
 A bottleneck is active where a queue stands before it and none behind it (from another source: Daganzo 1997), and what
-leaves the queue then is its capacity after breakdown, the queue discharge flow. It is measured at the end of every lane:
+leaves the queue then is its capacity after breakdown, the queue discharge flow. It is measured where lanes end:
 
 * A queue *stands* at the end of a lane while there is a queued vehicle (see `aeb_sumo.ledger.queues`) within 300 m of
   it (our assumption) in every look.
@@ -16,7 +16,7 @@ wrecks in the middle of a lane, are not seen.
 
 import numpy as np
 
-from aeb_sumo.soa import Bools, Floats, Ints, fitted
+from aeb_sumo.soa import Bools, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import lanes, to_end
 
@@ -57,7 +57,7 @@ class Bottlenecks:
         edge_of = np.array([*self._edge_of, -1])  # the last for no lane
         moved = (now >= 0) & (before >= 0) & (edge_of[now] != edge_of[before])
         standing = self._standing(rows[(now >= 0) & queued[rows]])
-        headways, left = {}, {}
+        headways = {}
         if self._last or standing:
             on = edge_of[now[now >= 0]]
             slow = np.bincount(on, queued[rows[now >= 0]], len(self._edges))
@@ -66,11 +66,8 @@ class Bottlenecks:
                 lane = int(before[k])
                 if lane in self._last and not spilled[edge_of[now[k]]]:
                     headways[int(rows[k])] = time - self._last[lane]
-                    self._last[lane] = time
-                left[lane] = time
-        # Where the next edge is full, the time until it is not counts for nobody.
-        self._last = {lane: left.get(lane, self._last.get(lane, np.nan)) for lane in standing}
-        self._last = {lane: when for lane, when in self._last.items() if when == when}
+                self._last[lane] = time
+        self._last = {lane: last for lane, last in self._last.items() if lane in standing}
         return headways
 
     def _standing(self, slots: Ints) -> set[int]:

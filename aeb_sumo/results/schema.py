@@ -248,7 +248,7 @@ _EXPOSURE = _table(
 _TRAFFIC = _table(
     "traffic",
     "Traffic per interval and vehicle class; wrecks count as standing in distance, time, speed and delay, and not at "
-    "all in stops and queues. What is sampled once per second is defined in `aeb_sumo.ledger.queues`.",
+    "all in stops and queues. Queues are defined in `aeb_sumo.ledger.queues` and `.bottlenecks`.",
     ("begin_s", "float64", "s", "start of the interval"),
     ("end_s", "float64", "s", "end of the interval"),
     ("vclass", "string", "-", "SUMO's vehicle class"),
@@ -275,16 +275,17 @@ _TRAFFIC = _table(
         "blocked_s",
         "float64",
         "s",
-        "delay of those queued behind a wreck, through the queue or directly, until they are up to speed again, sampled "
-        "once per second",
+        "delay of those queued behind a wreck, directly or through the queue, until they are up to speed again, "
+        "sampled once per second",
     ),
     (
         "discharged",
         "int64",
         "-",
-        "vehicles that left a queue and had been in it when the one before left it from the same edge",
+        "vehicles that left a lane with a queue at its end for an edge that was not full, the queue standing since the "
+        "one before left; sampled once per second",
     ),
-    ("headway_s", "float64", "s", "time since then, sum over them: discharged by headway is the capacity of bottlenecks"),
+    ("headway_s", "float64", "s", "time since then, sum over them; discharged by headway_s is the capacity per lane"),
 )
 
 TABLES: dict[str, Table] = {t.name: t for t in (_RUNS, _CRASHES, _INTERVENTIONS, _CONFLICTS, _EXPOSURE, _TRAFFIC)}
