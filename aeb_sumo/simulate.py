@@ -14,13 +14,15 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.fleet import Target
 from aeb_sumo.ledger.conflicts import Conflicts
 from aeb_sumo.ledger.crashes import Crashes
-from aeb_sumo.ledger.interventions import Action, Interventions
+from aeb_sumo.ledger.interventions import Action, Intervention, Interventions
 from aeb_sumo.ledger.traffic import TrafficBook
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.strategies.base import Strategy
 from aeb_sumo.trace import Recorder
+from aeb_sumo.verdicts import Choice, Verdicts
+from aeb_sumo.world.fork import Forks
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
 from aeb_sumo.world.wrecks import Crash
 
@@ -52,6 +54,7 @@ def run(
     interval: float = 60.0,
     sensing: str | Suite | None = None,
     equip: str | Equipment | None = None,
+    verdicts: str = "none",
     trace: Recorder | None = None,
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -73,6 +76,8 @@ def run(
         sensing: what the equipped vehicles see with, a suite or its name; None for the strategy's own.
         equip: instead of these three, several systems in one run, or shares by kind of vehicle: an `Equipment` or its
             text, such as `zhao2025=0.3,yan2025=0.2` or `passenger:zhao2025=0.5,truck:zhao2025/radar=0.2`.
+        verdicts: which interventions are judged by a fork of the world in which they do not take place: `all`, `none`,
+            or `sample:N`, a random sample of that many per run. No other column of any table depends on it.
         trace: looks on, for example an `aeb_sumo.trace.Trace`.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
@@ -91,6 +96,7 @@ def run(
             raise InputError(f"{name} must be a positive number of seconds, not {value:g}")
     if blockage is not None and not 0 <= blockage < np.inf:
         raise InputError(f"blockage must be 0 or more seconds, not {blockage:g}")
+    choice = Choice.parse(verdicts)
     step = scenario.step_length if step_length is None else step_length
     number = scenario.seed if seed is None else seed
     with tempfile.TemporaryDirectory() as nowhere:
@@ -113,7 +119,7 @@ def run(
                 raise InputError(f"blockage {blockage:g} s is longer than SUMO's time-to-teleport of {limit:g} s")
             stand = min(_BLOCKAGE, limit) if blockage is None else blockage
             carried.check_kinds(session.vehicle_types)
-            one = _Run(session, scenario, carried, stand, interval, trace)
+            one = _Run(session, scenario, carried, stand, interval, trace, choice)
             return one.simulate(span, progress, stop)
 
 
@@ -128,12 +134,16 @@ class _Run:
         blockage: float,
         interval: float,
         trace: Recorder | None,
+        choice: Choice,
     ) -> None:
         self._session, self._scenario, self._carried = session, scenario, carried
         self._blockage = blockage
         self._engine = engine = Engine(session, scenario, carried, blockage)
-        self._interventions = Interventions()
         self._conflicts = Conflicts(engine.traffic, engine.error, scenario.mu)
+        self._verdicts = (
+            Verdicts(engine, self._conflicts, choice=choice, forks=Forks()) if choice.size and carried.systems else None
+        )
+        self._interventions = Interventions(judged=self._verdicts is not None)
         self._book = TrafficBook(engine.traffic, session.begin, interval)
         self._crashes = Crashes(engine.traffic, engine.fleet, engine.error)
         self._equipped = 0
@@ -160,7 +170,7 @@ class _Run:
                         None if end is None else end - begin,
                         len(self._engine.traffic.present),
                         len(self._crashes.rows),
-                        len(self._interventions.rows),
+                        len(self._interventions),
                     )
                 )
             if stop is not None and stop():
@@ -177,13 +187,15 @@ class _Run:
         for crash in engine.crashes:
             self._book_crash(crash)
         engine.decide()
-        for slot, target in engine.acting:
-            self._book_action(time, slot, target)
+        begun = [(slot, self._book_action(time, slot, target)) for slot, target in engine.acting]
         self._interventions.expire(time)
         self._conflicts.step(time, engine.leads, engine.paths.crossings, wrecked, engine.fleet.equipped)
         self._book.step(time, wrecked)
         if self._trace is not None:
             self._trace.step(time)
+        if self._verdicts is not None:
+            self._verdicts.step([(slot, new) for slot, new in begun if new is not None])
+            self._interventions.flush()
         engine.act()
 
     def _book_comings_and_goings(self) -> None:
@@ -206,10 +218,10 @@ class _Run:
         self._interventions.close(crash.striker, "crash", hit.striker_speed)
         self._interventions.close(crash.struck, "crash", hit.struck_speed)
 
-    def _book_action(self, time: float, slot: int, target: Target | None) -> None:
+    def _book_action(self, time: float, slot: int, target: Target | None) -> Intervention | None:
         t, fleet = self._engine.traffic, self._engine.fleet
         vehicle = t.ids[slot]
-        self._interventions.act(
+        return self._interventions.act(
             time,
             vehicle,
             t.vclass[slot],
@@ -235,6 +247,9 @@ class _Run:
         session, engine = self._session, self._engine
         wrecks, audit = engine.wrecks, engine.override.audit
         self._interventions.close_all()
+        if self._verdicts is not None:
+            self._verdicts.finish("" if outcome == "completed" else f"the run was {outcome}")
+            self._interventions.flush()
         self._conflicts.close_all()
         self._book.close_interval(session.time)
         confirmed = self._crashes.reconcile(wrecks.reported.keys())
