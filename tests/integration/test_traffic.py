@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from aeb_sumo import scenarios
+from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.simulate import Progress, run
 from aeb_sumo.trace import Trace
 from tests.helpers import approach, vehicle
@@ -14,16 +15,16 @@ from tests.helpers import approach, vehicle
 
 @pytest.fixture(scope="module")
 def highway(tmp_path_factory):
-    """The highway filling up, with what SUMO's own tripinfo says about it, and how many vehicles are there at the end."""
+    """The highway filling up; what SUMO's own tripinfo says about it; how many vehicles are there at the end."""
     folder = tmp_path_factory.mktemp("highway")
-    scenario = scenarios.load("highway")
+    scenario = scenarios.load("highway").varied(demand=1.3, drivers=Profile())
     asked = ("--tripinfo-output", "trips.xml", "--tripinfo-output.write-unfinished", "true")
     asked += ("--tripinfo-output.write-undeparted", "true")
     seen: list[Progress] = []
     result = run(
         replace(scenario, options=(*scenario.options, *asked)),
         "none",
-        duration=330,
+        duration=240,
         step_length=0.5,
         seed=1,
         sumo_output=folder,
@@ -37,7 +38,7 @@ def highway(tmp_path_factory):
 def test_travel_times_are_those_of_sumos_tripinfo(highway):
     result, trips, _ = highway
     durations = [float(trip["duration"]) for trip in trips if float(trip["arrival"]) >= 0 and not trip["vaporized"]]
-    assert len(durations) == result.traffic["arrived"].sum() > 100
+    assert len(durations) == result.traffic["arrived"].sum() > 50
     assert result.traffic["travel_time_s"].sum() == pytest.approx(sum(durations), abs=1e-6)
 
 
@@ -64,7 +65,7 @@ def test_queues_before_the_lane_drop_discharge_at_a_capacity_that_lanes_have(hig
     assert result.traffic.loc[early, "discharged"].sum() == 0, "nobody has come to the lane drop yet"
     total = result.traffic[["discharged", "headway_s"]].sum()
     assert total["discharged"] > 20
-    assert 1200 < total["discharged"] / total["headway_s"] * 3600 < 2600
+    assert 1500 < total["discharged"] / total["headway_s"] * 3600 < 2600
 
 
 def test_parts_of_time_are_no_longer_than_the_whole(highway):
@@ -74,7 +75,7 @@ def test_parts_of_time_are_no_longer_than_the_whole(highway):
     assert (traffic["delay_s"] <= traffic["time_s"] + traffic["departed"]).all(), "but for samples of who just came"
 
 
-# Stays on its lane and has a driver of SUMO's, unlike the robots in cars.
+# Two that stay on their lanes.
 FOLLOWER = (
     '<vType id="follower" vClass="bus" length="12" maxSpeed="25" sigma="0" speedDev="0" lcSpeedGain="0" '
     'lcKeepRight="0" lcStrategic="-1"/><vType id="leader" vClass="coach" length="12" sigma="0" speedDev="0"/>'
@@ -88,12 +89,17 @@ def sampled(trace, names):
 
 
 def test_delay_behind_a_wreck_is_that_of_those_who_queue_for_it(on_track):
-    vehicles = FOLLOWER + approach(50, 20, 30) + "".join(
-        vehicle(f"late{k}", 400 - 50 * k, 14, kind="follower").replace('departLane="0"', f'departLane="{lane}"')
-        for k, lane in enumerate((0, 0, 1))
+    vehicles = (
+        FOLLOWER
+        + vehicle("a", 600, 0)
+        + vehicle("b", 595.8, 10)
+        + "".join(
+            vehicle(f"late{k}", 400 - 50 * k, 14, kind="follower").replace('departLane="0"', f'departLane="{lane}"')
+            for k, lane in enumerate((0, 0, 1))
+        )
     )
     trace = Trace()
-    result = run(on_track(vehicles, duration=40.0), "none", blockage=100.0, trace=trace)
+    result = run(on_track(vehicles, Profile(), duration=40.0), "none", blockage=100.0, trace=trace)
     assert len(result.crashes) == 1
     behind = result.traffic[result.traffic["vclass"] == "bus"]
     # Two come to stand behind the wreck, the third passes it; who is slower than half of what is allowed is queued.
@@ -110,7 +116,7 @@ def test_without_a_wreck_nobody_waits_behind_one(on_track):
     """The same queue behind a vehicle that stops on schedule."""
     stop = '<stop lane="track_0" endPos="700" duration="100"/>'
     vehicles = FOLLOWER + vehicle("lead", 640, 10, "leader", stop) + vehicle("late", 400, 14, "follower")
-    result = run(on_track(vehicles, duration=40.0), "none")
+    result = run(on_track(vehicles, Profile(), duration=40.0), "none")
     late = result.traffic[result.traffic["vclass"] == "bus"]
     assert late["standing_s"].sum() > 5
     assert result.traffic["blocked_s"].sum() == 0
@@ -121,7 +127,7 @@ def test_a_stop_counts_once_per_wave_and_creeping_on_counts_for_nothing(on_track
     stops = "".join(f'<stop lane="track_0" endPos="{at}" duration="10"/>' for at in (700, 702, 800))
     vehicles = FOLLOWER + vehicle("lead", 640, 10, "leader", stops) + vehicle("late", 600, 10, "follower")
     trace = Trace()
-    result = run(on_track(vehicles, duration=90.0), "none", trace=trace)
+    result = run(on_track(vehicles, Profile(), duration=90.0), "none", trace=trace)
     speed = sampled(trace, ["late"])[:, 0] * 3.6
     late = result.traffic[result.traffic["vclass"] == "bus"]
     assert late["stops"].sum() == 2

@@ -22,7 +22,14 @@ def dataset(worlds=WORLDS):
     for strategy, seeds in worlds.items():
         for seed, (arrivals, count, delay) in seeds.items():
             one = {"run_id": f"{strategy}-{seed}"}
-            same = {"scenario": "s", "demand": 1.0, "mu": 0.85, "drivers": "d", "step_length_s": 0.1, "blockage_s": 60.0}
+            same = {
+                "scenario": "s",
+                "demand": 1.0,
+                "mu": 0.85,
+                "drivers": "d",
+                "step_length_s": 0.1,
+                "blockage_s": 60.0,
+            }
             runs.append(one | same | {"strategy": strategy, "seed": seed, "begin_s": 100.0, "end_s": 700.0})
             crashes += [one | {"time_s": 150.0 + 100 * k} for k in range(count)]
             for k, arrived in enumerate(arrivals):
