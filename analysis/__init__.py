@@ -19,6 +19,7 @@ from analysis.rates import poisson_rate, rate_ratio
 from analysis.shares import proportion, share_by_seed
 from analysis.statistics import Interval, paired_interval
 from analysis.throughput import throughput, throughput_impact, throughput_over_time
+from analysis.verdicts import passed_on, precision_recall, verdict_counts, verdict_rates
 
 __all__ = [
     "Dataset",
@@ -43,8 +44,10 @@ __all__ = [
     "paired_interval",
     "pairs",
     "partners",
+    "passed_on",
     "planning",
     "poisson_rate",
+    "precision_recall",
     "proportion",
     "rate_ratio",
     "run_figures",
@@ -55,4 +58,6 @@ __all__ = [
     "throughput_impact",
     "throughput_over_time",
     "traffic_price",
+    "verdict_counts",
+    "verdict_rates",
 ]

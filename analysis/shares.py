@@ -56,7 +56,7 @@ def share_by_seed(counts: ArrayLike, totals: ArrayLike, *, confidence: float = 0
     Graubard 1998), with the t quantile of the seeds; no more than there are events, and as many as there are seeds
     where all events agree, our assumption.
 
-    Measured coverage of the 95 % interval: 94 to 97 % where events come in clusters, from 3 seeds on; 97 to 99.8 %
+    Measured coverage of the 95 % interval: 94 to 97 % where events come in clusters (98 % with 3 seeds); 97 to 99.8 %
     where they are independent, as Clopper and Pearson's interval is cautious; 87 to 93 % for shares of 95 % with 10
     to 40 seeds of one large cluster each. Wilson's interval of all events as if independent covers 42 to 74 % of
     clustered ones.

@@ -8,7 +8,7 @@ from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 
 __all__ = [
-    "Leads", "ahead", "demanding", "lanes", "lateral_position", "lost", "next_lanes", "overlook", "pending", "to_end",
+    "Leads", "ahead", "demanding", "lane", "lanes", "lateral_position", "lost", "next_lanes", "overlook", "pending", "to_end",
 ]  # fmt: skip
 
 _REACH = 150.0  # m, as far as any sensor sees
@@ -69,6 +69,11 @@ def demanding(t: Traffic, leads: Leads, slot: int, calm: Glances) -> bool:
         return False
     left = {best[0]: best[1] for best in libsumo.vehicle.getBestLanes(vehicle) if best[3] != 0}
     return lane in left and bool(left[lane] - libsumo.vehicle.getLanePosition(vehicle) < calm.calm_lane)
+
+
+def lane(vehicle: str) -> str:
+    """Id of the lane that a vehicle's front is on."""
+    return str(libsumo.vehicle.getLaneID(vehicle))
 
 
 def overlook(vehicle: str, others: set[str]) -> None:

@@ -22,7 +22,7 @@ crashes = st.lists(crash, max_size=8, unique_by=lambda one: frozenset({one["stri
 worlds = st.lists(st.tuples(crashes, crashes, crashes), min_size=1, max_size=3)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(worlds)
 def test_outcomes_add_up_to_the_crashes_of_either_world(seeds):
     tables = {"runs": [], "crashes": []}
