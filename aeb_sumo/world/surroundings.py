@@ -8,7 +8,8 @@ from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 
 __all__ = [
-    "Leads", "ahead", "demanding", "lane", "lanes", "lateral_position", "lost", "next_lanes", "overlook", "pending", "to_end",
+    "Leads", "ahead", "demanding", "lane", "lanes", "lateral_position", "lost", "next_lanes", "overlook", "pending",
+    "to_end",
 ]  # fmt: skip
 
 _REACH = 150.0  # m, as far as any sensor sees
