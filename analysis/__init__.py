@@ -14,10 +14,11 @@ from analysis.load import Dataset, load
 from analysis.outcomes import mcnemar_test, pair_counts
 from analysis.pairs import pairs, partners
 from analysis.planning import events_needed, exposure_without_events, planning, seeds_needed
+from analysis.price import delay_per_avoided_crash, traffic_price
 from analysis.rates import poisson_rate, rate_ratio
 from analysis.shares import proportion, share_by_seed
 from analysis.statistics import Interval, paired_interval
-from analysis.throughput import throughput, throughput_impact
+from analysis.throughput import throughput, throughput_impact, throughput_over_time
 from analysis.verdicts import passed_on, precision_recall, verdict_counts, verdict_rates
 
 __all__ = [
@@ -29,6 +30,7 @@ __all__ = [
     "crash_counts",
     "crash_rate_ratios",
     "crash_rates",
+    "delay_per_avoided_crash",
     "effect",
     "events_needed",
     "exposure_without_events",
@@ -54,6 +56,8 @@ __all__ = [
     "summary",
     "throughput",
     "throughput_impact",
+    "throughput_over_time",
+    "traffic_price",
     "verdict_counts",
     "verdict_rates",
 ]

@@ -21,7 +21,6 @@ _SECTIONS = ("runs", "crashes", "conflicts", "interventions", "verdicts", "traff
 def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     """All figures of one group of runs: (section, figure, unit) -> value."""
     (rate,) = crash_rates(part).itertuples()
-    (flow,) = throughput(part).itertuples()
     (ratio,) = near_crash_ratio(part).itertuples()
     crashes, interventions, conflicts, runs = part.crashes, part.interventions, part.conflicts, part.runs
     braking = interventions[interventions["phase"] != "warn"]
@@ -65,11 +64,7 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     verdicts = interventions.loc[interventions["verdict"].isin(VERDICTS), "verdict"].value_counts()
     figures["verdicts", "interventions with a verdict", ""] = verdicts.sum()
     figures |= {("verdicts", f"  {verdict}", ""): verdicts[verdict] for verdict in VERDICTS if verdict in verdicts}
-    figures["traffic", "arrivals", ""] = flow.arrived
-    figures["traffic", "still waiting to enter", ""] = flow.pending
-    figures["traffic", "flow", "1/h"] = flow.flow_vph
-    figures["traffic", "mean speed", "km/h"] = flow.speed_kmh
-    figures["traffic", "delay", "s/km"] = flow.delay_s_per_km
+    figures |= {("traffic", *figure): value for figure, value in _traffic(part).items()}
     figures["checks", "SUMO's own collisions", ""] = runs["sumo_collisions"].sum()
     figures["checks", "  also counted here", ""] = runs["confirmed_by_sumo"].sum()
     figures["checks", "contacts dismissed", ""] = runs["contacts_dismissed"].sum()
@@ -80,6 +75,27 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
 def _expected(crashes: pd.DataFrame, what: str) -> float:
     """Sum of the risks of all persons for whom there is a curve."""
     return float(crashes[[f"striker_{what}_risk", f"struck_{what}_risk"]].sum().sum())
+
+
+def _traffic(part: Dataset) -> dict[tuple[str, str], Any]:
+    (flow,) = throughput(part).itertuples()
+    traffic = part.traffic
+    return {
+        ("arrivals", ""): flow.arrived,
+        ("still waiting to enter", ""): flow.pending,
+        ("flow", "1/h"): flow.flow_vph,
+        ("flow per lane out of queues", "1/h"): _mean(traffic["discharged"], traffic["headway_s"] / 3600),
+        ("mean speed", "km/h"): flow.speed_kmh,
+        ("mean travel time", "s"): _mean(traffic["travel_time_s"], traffic["arrived"]),
+        ("delay", "s/km"): flow.delay_s_per_km,
+        ("delay behind wrecks", "h"): traffic["blocked_s"].sum() / 3600,
+        ("stops", "1/km"): _mean(traffic["stops"], traffic["distance_m"] / 1000),
+    }
+
+
+def _mean(values: pd.Series, per: pd.Series) -> float:
+    """Sum by sum."""
+    return float(values.sum() / per.sum()) if per.sum() else np.nan
 
 
 def _per_1000_km(count: int, km: float) -> float:

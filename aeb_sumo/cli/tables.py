@@ -6,7 +6,7 @@ import click
 from rich.table import Table
 
 import analysis
-from aeb_sumo.cli.show import console, print_frame, print_summary
+from aeb_sumo.cli.show import console, print_frame, print_price, print_summary
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES
 
@@ -35,6 +35,12 @@ def compare(folder: Path, other: Path | None) -> int:
             print_frame(analysis.passed_on(each), f"{name}: hard braking passed on to those behind")
         if {"none"} < set(each.by_group()):
             print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
+            try:
+                price = analysis.traffic_price(each)
+            except InputError as error:
+                click.echo(f"aeb-sumo: note: no price for the traffic in {name}: {error}", err=True)
+            else:
+                print_price(price, f"{name}: price for the traffic, by seed")
     return 0
 
 
