@@ -36,7 +36,7 @@ def put(struct: S, rows: Ints | Bools, values: S) -> None:
 
 
 def _names(struct: Any) -> tuple[str, ...]:
-    return _names_of(type(struct))
+    return _names_of(type(struct))  # type: ignore[arg-type]
 
 
 @cache
