@@ -124,11 +124,31 @@ class Conflicts:
             measure[hit] = 0.0
         self._close(hit, crashed=True)
 
-    def step(self, time: float, leads: Leads, crossings: Crossings, wrecked: Bools, equipped: Bools) -> None:
-        """Book the step that ended at `time` [s]; per slot who is a wreck, and who has an AEB."""
+    def step(
+        self,
+        time: float,
+        leads: Leads,
+        crossings: Crossings,
+        wrecked: Bools,
+        equipped: Bools,
+        *,
+        among: Ints | None = None,
+    ) -> None:
+        """Book the step that ended at `time` [s].
+
+        Args:
+            time: now [s].
+            leads: who is behind whom.
+            crossings: whose paths cross.
+            wrecked: per slot, who is a wreck.
+            equipped: per slot, who has an AEB.
+            among: slots of vehicles on the road whose encounters are all that matters, with those ahead and across.
+        """
         t = self._traffic
         self.ended = []
-        pairs = following(t, leads, wrecked)
+        pairs = following(t, leads, wrecked, among=among)
+        if among is not None and len(crossings.ego):
+            crossings = take(crossings, np.isin(crossings.ego, among) | np.isin(crossings.other, among))
         if len(crossings.ego):
             pairs = joined(pairs, crossing(t, crossings, wrecked))
         self.pairs = pairs

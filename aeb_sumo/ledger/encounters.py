@@ -56,13 +56,14 @@ def _keys(t: Traffic, slots: Ints) -> Ints:
     return serial[:, 0] * 2**32 + serial[:, 1]
 
 
-def following(t: Traffic, leads: Leads, wrecked: Bools) -> Pairs:
-    """Vehicles that closed in on the one ahead in the last step, at its begin or at its end.
+def following(t: Traffic, leads: Leads, wrecked: Bools, *, among: Ints | None = None) -> Pairs:
+    """Vehicles that closed in on the one ahead in the last step, at its begin or at its end; `among` these slots only.
 
     A lead that SUMO names counts when it is truly there (see `perception.lead.truly_ahead`) and in the way: on the arc
     from the ego's heading to its own, give or take the bodies' widths.
     """
-    ego = t.present[(leads.lead[t.present] >= 0) & ~wrecked[t.present]]
+    ego = t.present if among is None else among
+    ego = ego[(leads.lead[ego] >= 0) & ~wrecked[ego]]
     lead = leads.lead[ego]
     nears = ((t.speed[ego] > t.speed[lead]) | (t.old_speed[ego] > t.old_speed[lead])).nonzero()[0]
     ego, lead = ego[nears], lead[nears]

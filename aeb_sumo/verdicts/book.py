@@ -9,6 +9,8 @@ from functools import partial
 from math import isfinite
 from typing import Any
 
+import numpy as np
+
 from aeb_sumo.engine import Engine
 from aeb_sumo.ledger.conflicts import Conflicts
 from aeb_sumo.ledger.interventions import Intervention
@@ -188,8 +190,14 @@ class Verdicts:
             for crash in engine.crashes:
                 conflicts.crash(crash.impact.striker, crash.impact.struck)
             engine.decide()
+            slots = [watch.witness.slot for watch in watches.values()]
             conflicts.step(
-                engine.time, engine.leads, engine.paths.crossings, engine.wrecks.wrecked, engine.fleet.equipped
+                engine.time,
+                engine.leads,
+                engine.paths.crossings,
+                engine.wrecks.wrecked,
+                engine.fleet.equipped,
+                among=np.array(sorted({slot for slot in slots if slot is not None}), np.int64),
             )
             for watch in watches.values():
                 if watch.with_ is None:

@@ -72,7 +72,8 @@ class Witness:
         if not own and not self._behind & {one, other}:
             return
         hit = crash.impact
-        risk = [r for r in risks(hit, crash.kind, self._engine.traffic.vclass).values() if r is not None]
+        known = risks(hit, crash.kind, self._engine.traffic.vclass)
+        risk = [r for name, r in known.items() if name.endswith("serious_risk") and r is not None]
         self._hits.append(
             Hit(
                 pair=(one, other),
