@@ -232,7 +232,8 @@ class Lookout:
                 other_accel=(t.accel[ego] - known.closing_accel) * along - known.closing_left_accel * across,
                 other_length=t.length[other],
                 locked=locked[rows],
-            )
+            ),
+            ahead_of=self._suite.ahead_of,
         )
 
     def _chosen(

@@ -6,7 +6,7 @@
 
 from aeb_sumo.criticality.crossing import crossing_ttc, pet, yielding_decel
 from aeb_sumo.criticality.exposure import EXPOSED, time_below
-from aeb_sumo.criticality.following import drac, required_decel, thw, ttc, ttc2
+from aeb_sumo.criticality.following import drac, required_decel, thw, time_to_contact, ttc, ttc2
 
 __all__ = [
     "EXPOSED",
@@ -16,6 +16,7 @@ __all__ = [
     "required_decel",
     "thw",
     "time_below",
+    "time_to_contact",
     "ttc",
     "ttc2",
     "yielding_decel",
