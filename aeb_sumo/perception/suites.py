@@ -33,8 +33,8 @@ class Suite:
         latency: age of what the tracker works on, to the nearest step of the simulation; its output is extrapolated
             to the present [s], our assumption.
         sure: a track counts only while its rate is known this well, standard deviation [m/s], our assumption.
-        view: ideal suites: full angle of what they see [deg]; 70 from another source (Sui et al. 2021, reference AEB for
-            two-wheelers).
+        view: ideal suites: full angle of what they see [deg]; 70 from another source (Sui et al. 2021, reference AEB
+            for two-wheelers).
         ahead_of: an own path is clear when the vehicle will have crossed it this long before the other comes [s], our
             assumption: `aeb_sumo.perception.crossing.MARGIN`.
         manoeuvre: standard deviation of the jerk that the tracker expects of a target [m/s3], our assumption.

@@ -50,10 +50,10 @@ class Perfect(Strategy):
     what the road gives to prevent it.
 
     Attributes:
-        horizon: [s], our assumption: longer than any system here waits for on a dry road. None: omniscience would
-            brake minutes before.
-        share: 0 to 1, our assumption: more than drivers do who see what is coming, at speeds and on roads on which the
-            horizon is too short to stop in.
+        horizon: [s], our assumption: longer than any system here waits for on a dry road; without one, omniscience
+            would brake minutes before.
+        share: 0 to 1, our assumption: it counts at speeds, and on roads, at which the horizon is too short to stop in,
+            and is more than drivers use who see what is coming.
         brake: without dead time, build-up or lag.
     """
 
