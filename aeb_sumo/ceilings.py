@@ -14,7 +14,7 @@ import pandas as pd
 import pyarrow as pa
 
 from aeb_sumo.engine import Engine
-from aeb_sumo.equipment import Equipment
+from aeb_sumo.equipment import Equipment, Share, System
 from aeb_sumo.errors import InputError
 from aeb_sumo.ledger.severity import risks
 from aeb_sumo.results import TABLES, Results
@@ -30,11 +30,11 @@ __all__ = ["CEILINGS", "ceilings"]
 CEILINGS = ("perfect", "careful")
 """Strategies that are ceilings."""
 
-BEFORE = 10.0
+BEFORE = 8.0
 """How long before the crash the world is forked [s], our assumption: longer than any ceiling looks ahead."""
 
-AFTER = 10.0
-"""How long after it the fork goes on [s], our assumption."""
+AFTER = 6.0
+"""How long after it the fork goes on [s], our assumption: long enough for a driver to take over and drive on."""
 
 _NOBODY = "no motor vehicle whose braking could help"
 
@@ -49,6 +49,7 @@ class _Case:
         pair: ids of the two, in alphabetical order.
         equip: ids of those who get the system.
         hit: the crash as it was.
+        before: other pairs with one of them in it that had crashed before.
     """
 
     crash_id: int
@@ -57,6 +58,7 @@ class _Case:
     pair: tuple[str, str]
     equip: tuple[str, ...]
     hit: Hit
+    before: frozenset[tuple[str, str]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +74,7 @@ def ceilings(
     scenario: Scenario,
     baseline: Results,
     *,
+    beside: Equipment | None = None,
     forks: Forks | None = None,
     progress: Callable[[Progress], None] | None = None,
     stop: Callable[[], bool] | None = None,
@@ -81,6 +84,7 @@ def ceilings(
     Args:
         scenario: what was simulated, varied as it was then.
         baseline: one run of it without AEB.
+        beside: AEBs that are put in the place of the ceilings as well, to compare; shares do not matter.
         forks: where the other worlds live; None for as many at a time as there are free cores.
         progress: called after every step of the second run, which ends with the last crash.
         stop: asked after every step; True ends it: what is not known then is unknown.
@@ -99,12 +103,15 @@ def ceilings(
     crashes = baseline.crashes
     rows: list[dict[str, Any]] = []
     if len(crashes):
-        book = _Book(list(_cases(crashes)), Forks() if forks is None else forks)
+        systems = {s.name: s for s in (*(beside.systems if beside else ()), *(System.of(name) for name in CEILINGS))}
+        book = _Book(
+            list(_cases(crashes, [*CEILINGS, *sorted(systems.keys() - CEILINGS)])), Forks() if forks is None else forks
+        )
         step, begin = float(of["step_length_s"]), float(of["begin_s"])
         try:
             again = run(
                 scenario,
-                equip=Equipment.parse(",".join(f"{name}=0" for name in CEILINGS)),
+                equip=Equipment(tuple(Share(system=system, share=0.0) for system in systems.values())),
                 seed=int(of["seed"]),
                 duration=float(crashes["time_s"].max()) + step - begin,
                 step_length=step,
@@ -120,18 +127,23 @@ def ceilings(
     return Results(baseline.tables | {"ceilings": table})
 
 
-def _cases(crashes: pd.DataFrame) -> Iterator[_Case]:
+def _cases(crashes: pd.DataFrame, systems: Sequence[str]) -> Iterator[_Case]:
+    earlier: list[tuple[str, str]] = []
     for crash in crashes.to_dict("records"):
         who = ("striker",) if crash["kind"] == "rear_end" else ("striker", "struck")
         risk = [r for r in (crash["striker_serious_risk"], crash["struck_serious_risk"]) if pd.notna(r)]
         pair = _pair(crash["striker"], crash["struck"])
-        for name in CEILINGS:
+        equip = tuple(crash[one] for one in who if crash[f"{one}_vclass"] in VClasses.DRIVEN)
+        before = frozenset(one for one in earlier if set(one) & set(equip))
+        earlier.append(pair)
+        for name in systems:
             yield _Case(
                 crash_id=int(crash["crash_id"]),
                 time=float(crash["time_s"]),
                 ceiling=name,
                 pair=pair,
-                equip=tuple(crash[one] for one in who if crash[f"{one}_vclass"] in VClasses.DRIVEN),
+                equip=equip,
+                before=before,
                 hit=Hit(
                     pair=pair,
                     own=True,
@@ -198,21 +210,27 @@ class _Book:
         return rows
 
     def _future(self, case: _Case) -> _Otherwise:
-        """The life of a fork: the world with the ceiling in it."""
+        """The life of a fork: the world with the ceiling in it.
+
+        Whom others run into, and so push against the other one of the pair, has not crashed with that one by himself.
+        """
         engine, t = self._engine, self._engine.traffic
         waiting, braked = set(case.equip), None
         slots: list[int] = []
         new: list[Hit] = []
+        pushed = False
         self._equip(case, waiting, slots)
         engine.act()
         while engine.time < case.time + AFTER and not engine.session.exhausted:
             engine.observe()
             for crash in engine.crashes:
-                pair = _pair(crash.striker, crash.struck)
-                if pair == case.pair:
-                    return _Otherwise(braked=braked, own=_hit(crash, t.vclass), new=())
-                if pair not in self._known and set(pair) & set(case.equip):
-                    new.append(_hit(crash, t.vclass))
+                hit = _hit(crash, t.vclass)
+                if hit.pair == case.pair and not pushed:
+                    return _Otherwise(braked=braked, own=hit, new=())
+                if set(hit.pair) & set(case.equip):
+                    pushed |= hit.pair not in case.before
+                    if hit.pair not in self._known:
+                        new.append(hit)
             self._equip(case, waiting, slots)
             engine.decide()
             if braked is None and any(engine.fleet.decel[slot] > 0 for slot in slots):

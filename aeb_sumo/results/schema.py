@@ -303,14 +303,16 @@ _IMPACT: tuple[tuple[str, DType, str, str], ...] = (
 
 _CEILINGS = _table(
     "ceilings",
-    "One row per crash of a baseline and ceiling: what becomes of it in a fork of the world in which the vehicles whose "
-    "braking could help have a perfect system, or a careful driver. Empty where no ceilings were asked for.",
+    "One row per crash of a baseline and ceiling: what becomes of it in a fork of the world, made 8 s before, in which "
+    "the vehicles whose braking could help have a perfect system, a careful driver, or an AEB to compare with. Empty "
+    "where no ceilings were asked for.",
     ("crash_id", "int64", "-", "the crash, as in `crashes` of the run"),
     (
         "ceiling",
         "string",
         "-",
-        "`perfect` (true states, line of sight, all that the road gives at once) or `careful` (the driver of UN R157)",
+        "`perfect` (true states, line of sight, all that the road gives at once), `careful` (the driver of UN R157), or "
+        "the AEB system that takes their place",
     ),
     (
         "equipped",
@@ -325,7 +327,8 @@ _CEILINGS = _table(
         "outcome",
         "string",
         "-",
-        "`avoided` (the two do not crash until 10 s after the crash), `mitigated`, `unchanged`, `worsened` (they do), "
+        "`avoided` (the two do not crash until 6 s after the crash, unless others push them), `mitigated`, `unchanged` "
+        "or `worsened` (they do), "
         "`other` (avoided, but one of the equipped has a crash that the baseline does not have) or `unknown`",
     ),
     ("reason", "string", "-", "why it is unknown, or why nobody is equipped; else empty"),

@@ -38,9 +38,7 @@ def test_rate_ratios(mean, ratio):
     share = 0.0
     for base in counts(mean):
         for count in counts(mean * ratio):
-            found = analysis.rate_ratio(
-                count=int(count), exposure=3.0, baseline_count=int(base), baseline_exposure=3.0
-            )
+            found = analysis.rate_ratio(count=int(count), exposure=3.0, baseline_count=int(base), baseline_exposure=3.0)
             weight = poisson.pmf(base, mean) * poisson.pmf(count, mean * ratio)
             share += weight * (found.low <= ratio <= found.high)
     assert 0.93 <= share <= 0.97
