@@ -16,8 +16,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 import analysis
 from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
-from aeb_sumo.cli.options import scenario_options, system_options
 from aeb_sumo.ceilings import ceilings
+from aeb_sumo.cli.options import scenario_options, system_options
 from aeb_sumo.cli.show import print_frame, print_summary
 from aeb_sumo.drivers import profile
 from aeb_sumo.equipment import Equipment, equipment
@@ -85,10 +85,7 @@ def run(
         carried = equipment(
             strategy, sensing=sensing, penetration=penetration, equip=Equipment.parse(equip, parameters)
         )
-    if compare and not carried.systems:
-        raise InputError("--compare needs a --strategy other than none, which is what it compares with")
-    if with_ceilings and carried.systems and not compare:
-        raise InputError("--ceilings are those of the baseline: give --strategy none, or --compare")
+    _check(carried, compare=compare, with_ceilings=with_ceilings)
     folder = None if out is None else _new_folder(out)
     console = Console(stderr=True)
     done: list[Results] = []
@@ -117,6 +114,14 @@ def run(
     if outcome == "failed":
         raise InputError(f"{reason} (the tables hold what was simulated until then)")
     return 130 if outcome == "interrupted" else 0
+
+
+def _check(carried: Equipment, *, compare: bool, with_ceilings: bool) -> None:
+    """What is asked for has something to compare."""
+    if compare and not carried.systems:
+        raise InputError("--compare needs a --strategy other than none, which is what it compares with")
+    if with_ceilings and carried.systems and not compare:
+        raise InputError("--ceilings are those of the baseline: give --strategy none, or --compare")
 
 
 def _scenario(name: str | None, sumocfg: Path | None) -> scenarios.Scenario:

@@ -7,6 +7,8 @@ from aeb_sumo.soa import Floats
 
 __all__ = ["drac", "required_decel", "thw", "time_to_contact", "ttc", "ttc2"]
 
+_BARELY = 1e-9  # m/s2, who brakes by less never stops
+
 
 def ttc(*, gap: ArrayLike, closing_speed: ArrayLike) -> Floats:
     """Time to collision at constant speeds [s].
@@ -79,7 +81,8 @@ def time_to_contact(
         lead_accel: signed [m/s2].
     """
     g, v, a, w, b = np.broadcast_arrays(*(np.asarray(q, float) for q in (gap, speed, accel, lead_speed, lead_accel)))
-    stops = [np.divide(s, -r, out=np.full(s.shape, np.inf), where=(r < 0) & (s >= 0)) for s, r in ((v, a), (w, b))]
+    brakes = ((s, r, (r < -_BARELY) & (s >= 0)) for s, r in ((v, a), (w, b)))
+    stops = [np.divide(s, -r, out=np.full(s.shape, np.inf), where=does) for s, r, does in brakes]
     time, now = np.full(g.shape, np.inf), np.zeros(g.shape)
     for until in (np.minimum(*stops), np.maximum(*stops), np.full(g.shape, np.inf)):
         with np.errstate(invalid="ignore"):  # nobody stops any more

@@ -311,7 +311,7 @@ _CEILINGS = _table(
         "ceiling",
         "string",
         "-",
-        "`perfect` (true states, line of sight, all that the road gives at once), `careful` (the driver of UN R157), or "
+        "`perfect` (true states, line of sight, all that the road gives at once), `careful` (the driver of UN R157) or "
         "the AEB system that takes their place",
     ),
     (
