@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -50,7 +52,7 @@ def test_time_to_contact_by_hand(values, expected):
 
 
 def behind(system, *, gap, speed, lead_speed, lead_decel, hidden_until):
-    """(n,) smallest gap behind leads that brake to a stop from the start, seen from an instant on, driven to the end."""
+    """(n,) smallest gap behind leads that brake to a stop and are seen from an instant on, and (n,) first braking."""
     n = len(gap)
     state, accel, smallest, first = system.init(n), np.zeros(n), gap.copy(), np.full(n, np.inf)
     for k in range(400):
@@ -83,7 +85,7 @@ def test_braking_later_never_avoids_more(leads):
     system = strategies.load("perfect")
     _, first = behind(system, **leads, hidden_until=0.0)
     gaps = [behind(system, **leads, hidden_until=first + late)[0] for late in (0.0, 0.1, 0.3, 1.0)]
-    for sooner, later in zip(gaps, gaps[1:], strict=False):
+    for sooner, later in pairwise(gaps):
         # To within a step: it releases as soon as nothing closes in.
         assert np.all(sooner >= later - 0.1)
         assert np.count_nonzero(sooner > 0) >= np.count_nonzero(later > 0)
