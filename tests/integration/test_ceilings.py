@@ -54,7 +54,8 @@ def test_both_avoid_the_left_turn_across_an_e_bike(kmh):
 
 def test_a_perfect_sensor_sees_at_once_and_all_around():
     scenario = left_turn("turn", ego_kmh=30, step_length=0.05)
-    brakes = [run(scenario, "perfect", sensing=suite).interventions["brake_s"].min() for suite in ("perfect", "ideal")]
+    system = strategies.load("perfect", {"horizon": 60.0})
+    brakes = [run(scenario, system, sensing=suite).interventions["brake_s"].min() for suite in ("perfect", "ideal")]
     assert brakes[0] <= brakes[1] - 0.2
 
 
