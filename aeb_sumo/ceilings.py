@@ -36,6 +36,11 @@ BEFORE = 8.0
 AFTER = 6.0
 """How long after it the fork goes on [s], our assumption: long enough for a driver to take over and drive on."""
 
+NEAR = 3.0
+"""From so long before the crash on the system acts on anybody [s], our assumption; before that on those alone whom its
+vehicle will crash with. What it would do there about others (brake for a queue, stop for the last e-bike but one) might
+well do away with the crash, but because the encounter does not come about."""
+
 _NOBODY = "no motor vehicle whose braking could help"
 
 
@@ -59,6 +64,11 @@ class _Case:
     equip: tuple[str, ...]
     hit: Hit
     before: frozenset[tuple[str, str]]
+
+    @property
+    def foes(self) -> frozenset[str]:
+        """Ids of all whom they crash with until then, themselves among them."""
+        return frozenset(self.pair).union(*self.before)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,6 +227,7 @@ class _Book:
         engine, t = self._engine, self._engine.traffic
         waiting, braked = set(case.equip), None
         slots: list[int] = []
+        free: set[int] = set()
         new: list[Hit] = []
         pushed = False
         self._equip(case, waiting, slots)
@@ -233,10 +244,24 @@ class _Book:
                         new.append(hit)
             self._equip(case, waiting, slots)
             engine.decide()
+            if engine.time < case.time - NEAR:
+                self._hold_back(case, slots, free)
             if braked is None and any(engine.fleet.decel[slot] > 0 for slot in slots):
                 braked = engine.time
             engine.act()
         return _Otherwise(braked=braked, own=None, new=tuple(new))
+
+    def _hold_back(self, case: _Case, slots: list[int], free: set[int]) -> None:
+        """Undo what the systems are about to do about others; who has acted on a foe is `free` from then on."""
+        engine = self._engine
+        for slot, target in list(engine.acting):
+            if slot not in slots or slot in free:
+                continue
+            if target is not None and engine.traffic.ids[target.slot] in case.foes:
+                free.add(slot)
+                continue
+            engine.motorists.unwarned(slot)
+            engine.equip(slot, case.ceiling)
 
     def _equip(self, case: _Case, waiting: set[str], slots: list[int]) -> None:
         """Those on the road get the system."""

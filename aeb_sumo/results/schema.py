@@ -304,8 +304,8 @@ _IMPACT: tuple[tuple[str, DType, str, str], ...] = (
 _CEILINGS = _table(
     "ceilings",
     "One row per crash of a baseline and ceiling: what becomes of it in a fork of the world, made 8 s before, in which "
-    "the vehicles whose braking could help have a perfect system, a careful driver, or an AEB to compare with. Empty "
-    "where no ceilings were asked for.",
+    "the vehicles whose braking could help have a perfect system, a careful driver, or an AEB to compare with, which "
+    "until 3 s before acts on those alone whom they crash with. Empty where no ceilings were asked for.",
     ("crash_id", "int64", "-", "the crash, as in `crashes` of the run"),
     (
         "ceiling",
