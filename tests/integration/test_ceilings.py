@@ -5,9 +5,9 @@ import signal
 
 import pytest
 
-from aeb_sumo import ceilings as module
 from aeb_sumo import scenarios, strategies
 from aeb_sumo.ceilings import CEILINGS, ceilings
+from aeb_sumo.engine import Engine
 from aeb_sumo.equipment import Equipment
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES
@@ -155,6 +155,22 @@ def test_who_is_pushed_by_one_who_hit_him_anyway_has_avoided_the_crash(on_track)
     assert perfect["outcome"].tolist() == ["avoided", "avoided"]
 
 
+def test_what_it_would_do_about_others_before_the_crash_is_near_does_not_count(on_track):
+    """A car that the ego closes in on at a TTC of 3 s and less leaves the road before the crash with another."""
+    where = 'type="car" departLane="0" insertionChecks="none"'
+    route = '<route id="exit" edges="track"/>'
+    passing = (
+        f'{route}<vehicle id="mid" {where} route="exit" depart="7" departPos="285" departSpeed="10" arrivalPos="310"/>'
+    )
+    scenario = on_track(vehicle("lead", 400, 0) + vehicle("ego", 100, 20) + passing, duration=18.0)
+    row = judged(scenario)["perfect"]
+    assert row["outcome"] == "avoided"
+    assert row["braked_s"] == pytest.approx(row["forked_s"] + 5.0, abs=0.25), "3 s before the crash, for the lead"
+    alone = run(scenario, "perfect").interventions.iloc[0]
+    assert alone["target"] == "mid"
+    assert alone["begin_s"] < row["braked_s"] - 1
+
+
 def test_nobody_to_equip_is_a_crash_that_no_brake_avoids(on_track):
     scenario = on_track(vehicle("lead", 200, 0) + vehicle("ego", 150, 5, kind="DEFAULT_BIKETYPE"), duration=20.0)
     row = judged(scenario)["perfect"]
@@ -185,14 +201,14 @@ def test_a_fork_that_takes_too_long_is_unknown():
 
 def test_a_child_that_dies_is_unknown_and_the_others_go_on(monkeypatch):
     scenario, parent = ccr(20.0, 60.0), os.getpid()
-    equip = module.Engine.equip
+    equip = Engine.equip
 
     def die(engine, slot, system):
         if system == "careful" and os.getpid() != parent:
             os.kill(os.getpid(), signal.SIGKILL)
         equip(engine, slot, system)
 
-    monkeypatch.setattr(module.Engine, "equip", die)
+    monkeypatch.setattr(Engine, "equip", die)
     rows = judged(scenario)
     assert rows["perfect"]["outcome"] == "avoided"
     assert rows["careful"]["outcome"] == "unknown"
