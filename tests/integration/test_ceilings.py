@@ -157,11 +157,8 @@ def test_who_is_pushed_by_one_who_hit_him_anyway_has_avoided_the_crash(on_track)
 
 def test_what_it_would_do_about_others_before_the_crash_is_near_does_not_count(on_track):
     """A car that the ego closes in on at a TTC of 3 s and less leaves the road before the crash with another."""
-    where = 'type="car" departLane="0" insertionChecks="none"'
-    route = '<route id="exit" edges="track"/>'
-    passing = (
-        f'{route}<vehicle id="mid" {where} route="exit" depart="7" departPos="285" departSpeed="10" arrivalPos="310"/>'
-    )
+    where = 'depart="7" departLane="0" departPos="285" departSpeed="10" arrivalPos="310" insertionChecks="none"'
+    passing = f'<vehicle id="mid" type="car" route="r" {where}/>'
     scenario = on_track(vehicle("lead", 400, 0) + vehicle("ego", 100, 20) + passing, duration=18.0)
     row = judged(scenario)["perfect"]
     assert row["outcome"] == "avoided"
