@@ -243,7 +243,8 @@ class Lookout:
                 - known.closing_left_accel[rows] * across,
                 other_length=t.length[other],
                 locked=locked[rows],
-            )
+            ),
+            ahead_of=self._suite.ahead_of,
         )
 
     def _chosen(

@@ -5,6 +5,7 @@ data.crashes                      # one of the tables, a DataFrame
 analysis.summary(data)            # everything at a glance, one column per group of runs
 """
 
+from analysis.ceilings import ceiling_shares, ceilings_left
 from analysis.compare import compare, summary
 from analysis.conflicts import conflict_counts, conflict_statistics, near_crash_ratio
 from analysis.crashes import crash_counts, crash_rate_ratios, crash_rates
@@ -24,6 +25,8 @@ from analysis.verdicts import passed_on, precision_recall, verdict_counts, verdi
 __all__ = [
     "Dataset",
     "Interval",
+    "ceiling_shares",
+    "ceilings_left",
     "compare",
     "conflict_counts",
     "conflict_statistics",

@@ -30,7 +30,7 @@ class Dataset:
     """The tables of one or more runs; columns, units and meanings as in `aeb_sumo.results.TABLES`.
 
     Attributes:
-        runs, crashes, interventions, conflicts, exposure, traffic: DataFrames.
+        runs, crashes, interventions, conflicts, exposure, traffic, ceilings: DataFrames.
     """
 
     runs: pd.DataFrame
@@ -39,6 +39,7 @@ class Dataset:
     conflicts: pd.DataFrame
     exposure: pd.DataFrame
     traffic: pd.DataFrame
+    ceilings: pd.DataFrame
 
     @classmethod
     def of(cls, results: Results) -> "Dataset":

@@ -16,8 +16,9 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 import analysis
 from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
+from aeb_sumo.ceilings import ceilings
 from aeb_sumo.cli.options import new_folder, scenario_options, system_options
-from aeb_sumo.cli.show import print_summary
+from aeb_sumo.cli.show import print_frame, print_summary
 from aeb_sumo.drivers import profile
 from aeb_sumo.equipment import Equipment, equipment
 from aeb_sumo.errors import InputError
@@ -52,6 +53,9 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
 )
 @click.option("--out", help="Folder for the tables. [default: none, only printed]")
 @click.option("--compare", is_flag=True, help="Run the baseline too, same seed, and print both side by side.")
+@click.option(
+    "--ceilings", "with_ceilings", is_flag=True, help="Ask of every crash of the baseline who could have avoided it."
+)
 @click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
 def run(
     scenario: str | None,
@@ -65,6 +69,7 @@ def run(
     variation: dict[str, Any],
     out: str | None,
     compare: bool,
+    with_ceilings: bool,
     quiet: bool,
     **options: Any,
 ) -> int:
@@ -86,8 +91,7 @@ def run(
         carried = equipment(
             strategy, sensing=sensing, penetration=penetration, equip=Equipment.parse(equip, parameters)
         )
-    if compare and not carried.systems:
-        raise InputError("--compare needs a --strategy other than none, which is what it compares with")
+    _check(carried, compare=compare, with_ceilings=with_ceilings)
     folder = None if out is None else new_folder(out)
     console = Console(stderr=True)
     done: list[Results] = []
@@ -95,6 +99,9 @@ def run(
         for each in (Equipment(), carried) if compare else (carried,):
             with _sumo_folder(folder, each.folder) as sumo_output, _progress(console, each.name, quiet) as progress:
                 one = simulate(chosen, equip=each, sumo_output=sumo_output, progress=progress, stop=stop, **options)
+            if with_ceilings and not each.systems:
+                with _progress(console, "ceilings", quiet) as progress:
+                    one = ceilings(chosen, one, beside=carried, progress=progress, stop=stop)
             if folder is not None:
                 store.write(one, folder)
             done.append(one)
@@ -102,6 +109,8 @@ def run(
                 break
     if not quiet:
         print_summary(analysis.summary(analysis.Dataset.of(Results.joined(done))), chosen.name)
+        if with_ceilings and len(done[0].tables["ceilings"]):
+            print_frame(analysis.ceiling_shares(analysis.Dataset.of(done[0])), "crashes of the baseline avoided by")
         if folder is not None:
             click.echo(f"Tables in {folder}: pandas.read_parquet('{folder}/crashes'), or analysis.load('{folder}').")
     step = float(done[-1].runs["step_length_s"].iloc[0])
@@ -111,6 +120,14 @@ def run(
     if outcome == "failed":
         raise InputError(f"{reason} (the tables hold what was simulated until then)")
     return 130 if outcome == "interrupted" else 0
+
+
+def _check(carried: Equipment, *, compare: bool, with_ceilings: bool) -> None:
+    """What is asked for has something to compare."""
+    if compare and not carried.systems:
+        raise InputError("--compare needs a --strategy other than none, which is what it compares with")
+    if with_ceilings and carried.systems and not compare:
+        raise InputError("--ceilings are those of the baseline: give --strategy none, or --compare")
 
 
 def _scenario(name: str | None, sumocfg: Path | None) -> scenarios.Scenario:

@@ -1,6 +1,7 @@
 """Printing: tables on the terminal."""
 
 import pandas as pd
+from pandas.api.types import is_integer_dtype
 from rich.console import Console
 from rich.table import Table
 
@@ -41,7 +42,8 @@ def print_frame(frame: pd.DataFrame, title: str) -> None:
     for column in turned.columns:
         table.add_column(" ".join(column) if isinstance(column, tuple) else str(column), justify="right")
     for name, row in turned.iterrows():
-        table.add_row(str(name), *(_cell(v, whole=name in {"count", "arrived", "pending"}, sign=False) for v in row))
+        whole = name in {"count", "arrived", "pending"} or is_integer_dtype(frame[name])
+        table.add_row(str(name), *(_cell(v, whole=whole, sign=False) for v in row))
     console().print(table)
 
 

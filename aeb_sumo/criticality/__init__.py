@@ -6,7 +6,7 @@
 
 from aeb_sumo.criticality.crossing import crossing_ttc, pet, yielding_decel
 from aeb_sumo.criticality.exposure import EVASIVE, EXPOSED, time_below
-from aeb_sumo.criticality.following import drac, required_decel, thw, ttc, ttc2
+from aeb_sumo.criticality.following import drac, required_decel, thw, time_to_contact, ttc, ttc2
 
 __all__ = [
     "EVASIVE",
@@ -17,6 +17,7 @@ __all__ = [
     "required_decel",
     "thw",
     "time_below",
+    "time_to_contact",
     "ttc",
     "ttc2",
     "yielding_decel",

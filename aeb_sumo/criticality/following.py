@@ -5,7 +5,9 @@ from numpy.typing import ArrayLike
 
 from aeb_sumo.soa import Floats
 
-__all__ = ["drac", "required_decel", "thw", "ttc", "ttc2"]
+__all__ = ["drac", "required_decel", "thw", "time_to_contact", "ttc", "ttc2"]
+
+_BARELY = 1e-9  # m/s2, who brakes by less never stops
 
 
 def _together(*values: ArrayLike) -> tuple[Floats, ...]:
@@ -70,6 +72,37 @@ def drac(*, gap: ArrayLike, closing_speed: ArrayLike) -> Floats:
     with np.errstate(over="ignore"):
         np.divide(closing_speed**2, 2 * gap, out=rate, where=(closing_speed > 0) & (gap > 0))
     return np.where(gap <= 0, np.inf, rate)
+
+
+def time_to_contact(
+    *, gap: ArrayLike, speed: ArrayLike, accel: ArrayLike, lead_speed: ArrayLike, lead_accel: ArrayLike
+) -> Floats:
+    """Time to contact [s] if both keep their accelerations, and who brakes stays where he comes to a stop.
+
+    `ttc2`, but that nobody drives backwards. 0 for `gap <= 0`, `inf` for never.
+
+    Args:
+        gap: bumper to bumper [m].
+        speed: of the ego, >= 0 [m/s].
+        accel: of the ego, signed [m/s2].
+        lead_speed: along the ego's path [m/s].
+        lead_accel: signed [m/s2].
+    """
+    g, v, a, w, b = np.broadcast_arrays(*(np.asarray(q, float) for q in (gap, speed, accel, lead_speed, lead_accel)))
+    brakes = ((s, r, (r < -_BARELY) & (s >= 0)) for s, r in ((v, a), (w, b)))
+    stops = [np.divide(s, -r, out=np.full(s.shape, np.inf), where=does) for s, r, does in brakes]
+    time, now = np.full(g.shape, np.inf), np.zeros(g.shape)
+    for until in (np.minimum(*stops), np.maximum(*stops), np.full(g.shape, np.inf)):
+        with np.errstate(invalid="ignore"):  # nobody stops any more
+            span = until - now
+        meets = ttc2(gap=g, closing_speed=v - w, closing_accel=a - b)
+        time = np.where(np.isinf(time) & (meets <= span), now + meets, time)
+        passed = np.where(np.isfinite(span), span, 0.0)
+        g = g - (v - w) * passed - (a - b) * passed**2 / 2
+        v, w = (np.where(until >= stop, 0.0, s + r * passed) for s, r, stop in ((v, a, stops[0]), (w, b, stops[1])))
+        a, b = (np.where(until >= stop, 0.0, r) for r, stop in ((a, stops[0]), (b, stops[1])))
+        now = until
+    return time
 
 
 def required_decel(*, gap: ArrayLike, speed: ArrayLike, lead_speed: ArrayLike, lead_accel: ArrayLike) -> Floats:

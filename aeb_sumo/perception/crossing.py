@@ -6,7 +6,7 @@ import numpy as np
 
 from aeb_sumo.soa import Bools, Floats
 
-__all__ = ["Approach", "Zone", "conflicting", "crossing_zone"]
+__all__ = ["MARGIN", "Approach", "Zone", "conflicting", "crossing_zone"]
 
 MARGIN = 0.3
 """Time to spare between two vehicles passing the same place [s], our assumption."""
@@ -85,13 +85,18 @@ class Approach:
     locked: Bools
 
 
-def conflicting(a: Approach) -> Bools:
+def conflicting(a: Approach, *, ahead_of: float = MARGIN) -> Bools:
     """Whether both would be in the zone at the same time.
 
     Both keep their speeds, except that another who brakes goes no farther than it takes to stop. They conflict if the
     ego arrives before the other's tail has left and leaves after the other's front has come, with `MARGIN` to spare.
     For a locked pair the other counts until its tail has left: braking must not argue itself away. Once the ego's front
     is past the middle of the zone, braking no longer helps and there is no conflict.
+
+    Args:
+        a: the pairs.
+        ahead_of: time to spare in place of `MARGIN` for an ego that leaves before the other comes [s]: braking can only
+            harm one who would be through in time, and never one who arrives too late anyway.
     """
     stopping = np.where(a.other_accel < -0.5, a.other_speed**2 / (2 * np.maximum(-a.other_accel, 0.5)), np.inf)
     stands = a.other_speed < _STANDS
@@ -102,7 +107,7 @@ def conflicting(a: Approach) -> Bools:
 
     own = np.maximum(a.speed, 0.1)
     arrives, leaves = np.maximum(a.to_zone, 0.0) / own, (a.through_zone + a.length) / own
-    meet = (comes <= leaves + MARGIN) & ((goes >= arrives - MARGIN) | a.locked) & (goes > 0)
+    meet = (comes <= leaves + ahead_of) & ((goes >= arrives - MARGIN) | a.locked) & (goes > 0)
     ahead = a.to_zone + a.through_zone > 0
     result: Bools = meet & ahead & (a.other_to_zone <= stopping)
     return result

@@ -7,7 +7,8 @@ shared/seeds.md 3) prints the results of its measurements and nothing of what is
 from dataclasses import dataclass
 
 from aeb_sumo.errors import InputError
-from aeb_sumo.parameters import check
+from aeb_sumo.parameters import check, within
+from aeb_sumo.perception.crossing import MARGIN
 from aeb_sumo.perception.sensor import Sensor
 
 __all__ = ["CAMERA", "RADAR", "SUITES", "Suite", "suite"]
@@ -32,6 +33,10 @@ class Suite:
         latency: age of what the tracker works on, to the nearest step of the simulation; its output is extrapolated
             to the present [s], our assumption.
         sure: a track counts only while its rate is known this well, standard deviation [m/s], our assumption.
+        view: ideal suites: full angle of what they see [deg]; 70 from another source (Sui et al. 2021, reference AEB
+            for two-wheelers).
+        ahead_of: an own path is clear when the vehicle will have crossed it this long before the other comes [s], our
+            assumption: `aeb_sumo.perception.crossing.MARGIN`.
         manoeuvre: standard deviation of the jerk that the tracker expects of a target [m/s3], our assumption.
     """
 
@@ -44,6 +49,8 @@ class Suite:
     latency: float = 0.0
     manoeuvre: float = 5.0
     sure: float = 0.5
+    view: float = within(70.0, 1.0, 360.0)
+    ahead_of: float = MARGIN
 
     @property
     def reach(self) -> float:
@@ -52,11 +59,8 @@ class Suite:
 
     @property
     def field_of_view(self) -> float:
-        """The widest that any of them sees, full angle [deg].
-
-        Ideal suites: 70, from another source (Sui et al. 2021, reference AEB for two-wheelers).
-        """
-        return max((sensor.field_of_view for sensor in self.sensors), default=70.0)
+        """The widest that any of them sees, full angle [deg]; ideal suites: `view`."""
+        return max((sensor.field_of_view for sensor in self.sensors), default=self.view)
 
     def __post_init__(self) -> None:
         """Raises `InputError` for a parameter out of range."""
@@ -94,9 +98,10 @@ SUITES: dict[str, Suite] = {
         Suite(name="radar", sensors=(RADAR,), latency=0.05),
         Suite(name="camera", sensors=(CAMERA,), latency=0.05),
         Suite(name="fusion", sensors=(RADAR, CAMERA), latency=0.05),
+        Suite(name="perfect", persist=0.0, view=360.0, ahead_of=0.0),
     )
 }
-"""All suites by name."""
+"""All suites by name; `perfect` sees whoever is in line of sight, all around and at once."""
 
 
 def suite(name: str) -> Suite:

@@ -329,5 +329,52 @@ _TRAFFIC = _table(
     ("headway_s", "float64", "s", "time since then, sum over them; discharged by headway_s is the capacity per lane"),
 )
 
-TABLES: dict[str, Table] = {t.name: t for t in (_RUNS, _CRASHES, _INTERVENTIONS, _CONFLICTS, _EXPOSURE, _TRAFFIC)}
+_IMPACT: tuple[tuple[str, DType, str, str], ...] = (
+    ("impact_speed_mps", "float64", "m/s", "impact speed of the crash; null without one"),
+    ("delta_v_mps", "float64", "m/s", "the larger change of velocity of the two in it"),
+    ("serious_risk", "float64", "-", "risk that somebody is injured seriously; null where no curve applies"),
+)
+
+_CEILINGS = _table(
+    "ceilings",
+    "One row per crash of a baseline and ceiling: what becomes of it in a fork of the world, made 8 s before, in which "
+    "the vehicles whose braking could help have a perfect system, a careful driver, or an AEB to compare with, which "
+    "until 3 s before acts on those alone whom they crash with. Empty where no ceilings were asked for.",
+    ("crash_id", "int64", "-", "the crash, as in `crashes` of the run"),
+    (
+        "ceiling",
+        "string",
+        "-",
+        "`perfect` (true states, line of sight, all that the road gives at once), `careful` (the driver of UN R157) or "
+        "the AEB system that takes their place",
+    ),
+    (
+        "equipped",
+        "string",
+        "-",
+        "ids of the vehicles that have it, by spaces: motor vehicles, the striker and, but in rear-end crashes, the "
+        "struck one; empty for none",
+    ),
+    ("forked_s", "float64", "s", "when the world was forked; null where it was not"),
+    ("braked_s", "float64", "s", "when the first of them began to brake in the fork; null for never"),
+    (
+        "outcome",
+        "string",
+        "-",
+        "`avoided` (the two do not crash until 6 s after the crash, unless others push them), `mitigated`, `unchanged` "
+        "or `worsened` (they do), "
+        "`other` (avoided, but one of the equipped has a crash that the baseline does not have) or `unknown`",
+    ),
+    ("reason", "string", "-", "why it is unknown, or why nobody is equipped; else empty"),
+    ("other", "string", "-", "id of whom it crashed with instead, for the outcome `other`; else empty"),
+    *(
+        (f"{world}_{name}", dtype, unit, f"{where}: {meaning}")
+        for world, where in (("with", "in the fork"), ("without", "in the baseline"))
+        for name, dtype, unit, meaning in _IMPACT
+    ),
+)
+
+TABLES: dict[str, Table] = {
+    t.name: t for t in (_RUNS, _CRASHES, _INTERVENTIONS, _CONFLICTS, _EXPOSURE, _TRAFFIC, _CEILINGS)
+}
 """All tables by name."""

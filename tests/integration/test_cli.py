@@ -57,6 +57,20 @@ def test_a_mix_is_one_run_beside_the_baseline(tmp_path):
     assert aeb_sumo("compare", tmp_path / "out").returncode == 0
 
 
+def test_ceilings_are_printed_and_kept(tmp_path):
+    done = aeb_sumo("run", "track", "--compare", "--ceilings", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "crashes of the baseline avoided by" in done.stdout
+    table = pd.read_parquet(tmp_path / "out" / "ceilings").set_index("ceiling")
+    assert sorted(table.index) == ["careful", "perfect", "zhao2025"]
+    assert set(table["outcome"]) == {"avoided"}
+    plain = tmp_path / "plain"
+    assert aeb_sumo("run", "track", "--compare", "--out", plain, "--quiet").returncode == 0
+    for name in set(TABLES) - {"ceilings"}:
+        assert pd.read_parquet(tmp_path / "out" / name).equals(pd.read_parquet(plain / name)), name
+    assert pd.read_parquet(plain / "ceilings").empty
+
+
 def test_quiet_is_quiet(tmp_path):
     done = aeb_sumo("run", "track", "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -76,8 +90,9 @@ BAD = [
     (("run", "w0", "--weather", "snow"), ["weather", "dry, wet", "snow"]),
     (("run",), ["SCENARIO", "--sumocfg"]),
     (("run", "w0", "--sumocfg", "x.sumocfg"), ["SCENARIO", "--sumocfg"]),
-    (("run", "highway", "--strategy", "magic"), ["magic", "none, staged, staged_m, yan2025, zhao2025"]),
+    (("run", "highway", "--strategy", "magic"), ["magic", "none, perfect, staged, staged_m, yan2025, zhao2025"]),
     (("run", "highway", "--compare", "--strategy", "none"), ["--compare", "none"]),
+    (("run", "highway", "--ceilings", "--strategy", "yan2025"), ["--ceilings", "none", "--compare"]),
     (("run", "highway", "--drivers", "drunk"), ["drunk", "attentive, careful"]),
     (("run", "highway", "--magic"), ["--magic", "--penetration"]),
     (("run", "highway", "--penetration", "1.5"), ["penetration", "0..1", "1.5"]),

@@ -33,6 +33,15 @@ def test_conflicting(values, expected):
     assert conflicting(approach(**values))[0] == expected
 
 
+def test_who_is_through_just_in_time_is_in_conflict_only_with_a_margin_to_spare():
+    just = approach(other_to_zone=18.0, other_through_zone=21.0)  # through after 3.52 s, the other comes after 3.6
+    assert conflicting(just)[0]
+    assert not conflicting(just, ahead_of=0.0)[0]
+    late = approach(other_to_zone=0.0, other_through_zone=7.6)  # the other is through after 1.88 s, 0.12 s before
+    assert conflicting(late)[0]
+    assert conflicting(late, ahead_of=0.0)[0]
+
+
 def line(x0, y0, heading, n=80, spacing=0.5):
     s = np.arange(n) * spacing
     return np.column_stack([x0 + s * np.cos(heading), y0 + s * np.sin(heading)]), np.full(n, heading)

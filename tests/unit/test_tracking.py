@@ -199,6 +199,6 @@ def test_the_tracker_equals_filterpy():
 
 
 def test_suites_by_name():
-    assert set(SUITES) == {"ideal", "radar", "camera", "fusion"}
+    assert set(SUITES) == {"ideal", "radar", "camera", "fusion", "perfect"}
     with pytest.raises(InputError, match="unknown sensing 'lidar'; there are: ideal, radar, camera, fusion"):
         suite("lidar")
