@@ -11,10 +11,12 @@ from analysis.crashes import crash_counts, crash_rates
 from analysis.interventions import intervention_counts, intervention_statistics
 from analysis.load import Dataset, load
 from analysis.rates import poisson_rate
+from analysis.statistics import Interval, paired_interval
 from analysis.throughput import throughput, throughput_impact
 
 __all__ = [
     "Dataset",
+    "Interval",
     "compare",
     "conflict_counts",
     "conflict_statistics",
@@ -24,6 +26,7 @@ __all__ = [
     "intervention_statistics",
     "load",
     "near_crash_ratio",
+    "paired_interval",
     "poisson_rate",
     "summary",
     "throughput",
