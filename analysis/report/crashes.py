@@ -1,0 +1,96 @@
+"""What kinds of crashes there were, and how hard."""
+
+import numpy as np
+import pandas as pd
+
+from analysis.crashes import crash_counts, crash_rates
+from analysis.load import Dataset
+from analysis.report.drawing import canvas, empty, svg
+from analysis.report.intervals import median
+from analysis.report.looks import ecdf, looks
+from analysis.report.parts import Cell, Figure, Quantity, Section, Table, count
+
+__all__ = ["section"]
+
+_KMH = 3.6  # km/h per m/s
+
+
+def section(data: Dataset) -> Section:
+    """Kinds, rates and impact speeds, by group of runs."""
+    groups = data.by_group()
+    worst = crash_counts(data, "kind")
+    kinds = [k for k in worst.index if k != "total"]
+    rows: list[list[Cell]] = []
+    for kind in [*kinds, "total"]:
+        rows.append([kind.replace("_", " "), *(count(f"{g}/crashes/{kind}", worst.loc[kind, g]) for g in groups)])
+    rows.append(
+        ["of these secondary"]
+        + [count(f"{g}/crashes/secondary", part.crashes["secondary"].astype(bool).sum()) for g, part in groups.items()]
+    )
+    rates = crash_rates(data)
+    rates_table = Table(
+        id="crash-rates", title="Crash rate and impact speed",
+        head=("group", "crashes", "crash rate", "median impact speed"),
+        rows=[_rate(g, rates.loc[g], part) for g, part in groups.items()],
+        note="Rate per million vehicle-km of all vehicles, exact Poisson interval, which takes crashes as independent: with "
+        "many secondary crashes it is too narrow. Median with the interval between order statistics.",
+    )  # fmt: skip
+    return Section(
+        id="crashes", title="Crashes", figures=[_kinds(worst.loc[kinds], groups), _speeds(groups)],
+        tables=[Table(id="crash-kinds", title="Crashes by kind", head=("kind", *groups), rows=rows), rates_table],
+    )  # fmt: skip
+
+
+def _rate(group: str, rate: pd.Series, part: Dataset) -> list[Cell]:
+    high = rate["high"] if np.isfinite(rate["high"]) else np.nan
+    speeds = pd.Series(_KMH * part.crashes["impact_speed_mps"].to_numpy(float))
+    return [
+        group,
+        count(f"{group}/rate/crashes", rate["crashes"]),
+        Quantity(
+            key=f"{group}/rate", value=rate["per_million_km"], low=rate["low"], high=high,
+            n=round(rate["vehicle_km"]), of="vehicle-km",
+        ),
+        median(f"{group}/impact_speed", speeds, "crashes", "km/h"),
+    ]  # fmt: skip
+
+
+def _kinds(counts: pd.DataFrame, groups: dict[str, Dataset]) -> Figure:
+    look = looks(groups)
+    alt = "Crashes by kind. " + (
+        "; ".join(
+            f"{str(kind).replace('_', ' ')}: " + ", ".join(f"{g} {counts.loc[kind, g]}" for g in groups)
+            for kind in counts.index
+        )
+        + "."
+        if len(counts)
+        else "There was no crash."
+    )
+    with canvas(1.1 + max(len(counts), 1) * (0.18 + 0.19 * len(groups))) as (figure, axes):
+        if len(counts):
+            thick = 0.8 / len(groups)
+            for k, group in enumerate(groups):
+                y = np.arange(len(counts)) + (k - (len(groups) - 1) / 2) * thick
+                bars = axes.barh(y, counts[group], thick * 0.92, color=look[group].colour, label=look[group].short)
+                axes.bar_label(bars, padding=2, fontsize=8)
+            axes.set_yticks(range(len(counts)), [str(kind).replace("_", " ") for kind in counts.index])
+            axes.invert_yaxis()
+            axes.grid(axis="y", visible=False)
+            axes.margins(x=0.12)
+            axes.set(xlabel="crashes in all runs of the group")
+            axes.xaxis.get_major_locator().set_params(integer=True)
+            figure.legend(loc="outside upper left", ncols=2)
+        else:
+            empty(axes, "no crashes")
+        drawn = svg(figure, "crash-kinds-figure", alt)
+    runs = ", ".join(f"{g}: {len(part.runs)}" for g, part in groups.items())
+    return Figure(id="crash-kinds-figure", title="Crashes by kind", svg=drawn, alt=alt, note=f"Runs: {runs}.")
+
+
+def _speeds(groups: dict[str, Dataset]) -> Figure:
+    values = {g: _KMH * part.crashes["impact_speed_mps"].to_numpy(float) for g, part in groups.items()}
+    return ecdf(
+        "impact-speeds", "Impact speeds", values, looks(groups), label="impact speed [km/h]", events="crashes"
+    )
+
+
