@@ -12,11 +12,11 @@ import numpy as np
 from aeb_sumo import scenarios
 from aeb_sumo.criticality import thw
 from aeb_sumo.drivers.profile import Profile
+from aeb_sumo.engine import Engine
 from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import changed
 from aeb_sumo.simulate import run
 from aeb_sumo.soa import Floats
-from aeb_sumo.trace import World
 from aeb_sumo.world.observe import VClasses
 from aeb_sumo.world.session import SumoError
 
@@ -104,9 +104,9 @@ class _Watch:
         self.headways: list[float] = []
         self.reactions: list[tuple[float, float, float]] = []
         self._since: dict[int, float] = {}
-        self._world: World
+        self._world: Engine
 
-    def attend(self, world: World) -> None:
+    def attend(self, world: Engine) -> None:
         """See `aeb_sumo.trace.Recorder`."""
         self._world = world
 

@@ -8,9 +8,12 @@ import numpy as np
 from aeb_sumo.fleet import Fleet, Target
 from aeb_sumo.lookout import Targets
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, put
-from aeb_sumo.strategies.base import Demand
+from aeb_sumo.strategies.base import Demand, Phase
 
-__all__ = ["Fleets"]
+__all__ = ["PAUSE", "Fleets"]
+
+PAUSE = 1.0
+"""Two actions of a vehicle's AEB with less than this between them are one intervention [s], our assumption."""
 
 
 class Fleets:
@@ -30,6 +33,7 @@ class Fleets:
         self._names = ("", *fleets)
         self._fleets = tuple(fleets.values())
         self._which: Ints = np.zeros(0, np.int64)  # per slot, place of its system in `_names`
+        self._withheld: dict[int, float] = {}  # slot -> when its system last wanted to act [s]
         self._add_up()
 
     def _add_up(self) -> None:
@@ -65,6 +69,7 @@ class Fleets:
         for fleet in self._fleets:
             fleet.leave(slot)
         self._which[slot] = 0
+        self._withheld.pop(slot, None)
         self._add_up()
 
     def step(self, time: float, disabled: Bools) -> None:
@@ -72,10 +77,24 @@ class Fleets:
         for fleet in self._fleets:
             fleet.step(time, disabled)
         self._add_up()
+        for slot in list(self._withheld):
+            self.withhold(slot, time)
+
+    def withhold(self, slot: int, time: float) -> None:
+        """Keep from the road what the system in a slot decides, until it has been quiet for `PAUSE`.
+
+        The system goes on working, and knows nothing of it.
+        """
+        if self.decel[slot] > 0 or self.demand.phase[slot] > Phase.NONE:
+            self._withheld[slot] = time
+        elif time - self._withheld.setdefault(slot, time) > PAUSE:
+            del self._withheld[slot]
+        self.decel[slot], self.demand.decel[slot], self.demand.phase[slot] = 0.0, 0.0, Phase.NONE
 
     def active(self) -> list[tuple[int, Target | None]]:
         """See `Fleet.active`; in the order of the slots."""
-        return sorted((one for fleet in self._fleets for one in fleet.active()), key=lambda one: one[0])
+        acting = (one for fleet in self._fleets for one in fleet.active() if one[0] not in self._withheld)
+        return sorted(acting, key=lambda one: one[0])
 
     def targets(self, slots: Ints) -> Targets:
         """See `Fleet.targets`."""

@@ -92,13 +92,37 @@ class Motorists:
         self._reacting.pop(slot, None)
         self._alerts.pop(slot, None)
 
-    def step(self, time: float, warnings: Iterable[tuple[str, str]], aeb: Floats, wrecked: Bools) -> None:
+    def hear(self, time: float, warnings: Iterable[tuple[str, str]]) -> None:
+        """AEBs warn.
+
+        Args:
+            time: from when on it can be heard: the end of the coming step [s].
+            warnings: vehicles whose AEB warns or brakes in it, and their targets.
+        """
+        warned = self._profile.warned
+        if warned is None:
+            return
+        for vehicle, target in warnings:
+            slot = self._traffic.slot[vehicle]
+            known, due = self._alerts.get(slot, ("", np.inf))
+            if target != known:
+                due = min(due, time + warned.delay(self._seed, vehicle, target))
+                self._alerts[slot] = target, due
+
+    def alerted(self, slot: int, by: float) -> bool:
+        """Whether a warning reaches the driver in a slot by then [s]; one that has reached him is over."""
+        return self._alerts.get(slot, ("", np.inf))[1] <= by
+
+    def unwarned(self, slot: int) -> None:
+        """The warning that is on its way to the driver in a slot was never given."""
+        self._alerts.pop(slot, None)
+
+    def step(self, time: float, aeb: Floats, wrecked: Bools) -> None:
         """From the state just observed to what drivers do in the coming step.
 
         Args:
             time: now [s].
-            warnings: vehicles whose AEB warned or braked in the last step, and their targets.
-            aeb: per slot, deceleration by their brakes in that step [m/s2].
+            aeb: per slot, deceleration by their AEBs' brakes in the last step [m/s2].
             wrecked: per slot.
         """
         t = self._traffic
@@ -107,7 +131,7 @@ class Motorists:
         self._braked = set(np.flatnonzero(aeb > 0).tolist())
         self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
-        self._warn(time, warnings)
+        self._heed(time)
         self._glance()
         self._surprised(wrecked)
         self._react(time, wrecked)
@@ -135,19 +159,11 @@ class Motorists:
     def _model(self, slot: int) -> Reaction | None:
         return self._profile.trucks if self._traffic.vclass[slot] in VClasses.HEAVY else self._profile.cars
 
-    def _warn(self, time: float, warnings: Iterable[tuple[str, str]]) -> None:
+    def _heed(self, time: float) -> None:
         """Warnings reach drivers."""
         warned = self._profile.warned
         if warned is None:
             return
-        for vehicle, target in warnings:
-            slot = self._traffic.slot.get(vehicle)
-            if slot is None:
-                continue
-            known, due = self._alerts.get(slot, ("", np.inf))
-            if target != known:
-                due = min(due, time + warned.delay(self._seed, vehicle, target))
-                self._alerts[slot] = target, due
         for slot, (_, due) in list(self._alerts.items()):
             if time >= due:  # also when the warning has ended meanwhile
                 self._until[slot] = time + warned.attention

@@ -8,33 +8,23 @@ from pathlib import Path
 import numpy as np
 
 import aeb_sumo
-from aeb_sumo.equipment import Equipment, System, equipment
+from aeb_sumo.engine import Engine
+from aeb_sumo.equipment import Equipment, equipment
 from aeb_sumo.errors import InputError
-from aeb_sumo.fleet import Fleet, Target
-from aeb_sumo.fleets import Fleets
+from aeb_sumo.fleet import Target
 from aeb_sumo.ledger.conflicts import Conflicts
 from aeb_sumo.ledger.crashes import Crashes
-from aeb_sumo.ledger.interventions import Action, Interventions
+from aeb_sumo.ledger.interventions import Action, Intervention, Interventions
 from aeb_sumo.ledger.traffic import TrafficBook
-from aeb_sumo.motorists import Motorists
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.strategies.base import Strategy
-from aeb_sumo.trace import Recorder, World
-from aeb_sumo.world.buildings import walls
-from aeb_sumo.world.footpaths import Footpaths
-from aeb_sumo.world.friction import Friction
-from aeb_sumo.world.network import Network
-from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.override import Override
-from aeb_sumo.world.paths import Paths
+from aeb_sumo.trace import Recorder
+from aeb_sumo.verdicts import Choice, Verdicts
+from aeb_sumo.world.fork import Forks
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
-from aeb_sumo.world.sightlines import Sightlines
-from aeb_sumo.world.surroundings import Leads
-from aeb_sumo.world.violations import Violations
-from aeb_sumo.world.walkers import Walkers
-from aeb_sumo.world.wrecks import Crash, Wrecks
+from aeb_sumo.world.wrecks import Crash
 
 __all__ = ["Progress", "run"]
 
@@ -64,6 +54,7 @@ def run(
     interval: float = 60.0,
     sensing: str | Suite | None = None,
     equip: str | Equipment | None = None,
+    verdicts: str = "none",
     trace: Recorder | None = None,
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -85,6 +76,8 @@ def run(
         sensing: what the equipped vehicles see with, a suite or its name; None for the strategy's own.
         equip: instead of these three, several systems in one run, or shares by kind of vehicle: an `Equipment` or its
             text, such as `zhao2025=0.3,yan2025=0.2` or `passenger:zhao2025=0.5,truck:zhao2025/radar=0.2`.
+        verdicts: which interventions are judged by a fork of the world in which they do not take place: `all`, `none`,
+            or `sample:N`, a random sample of that many per run. No other column of any table depends on it.
         trace: looks on, for example an `aeb_sumo.trace.Trace`.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
@@ -103,6 +96,7 @@ def run(
             raise InputError(f"{name} must be a positive number of seconds, not {value:g}")
     if blockage is not None and not 0 <= blockage < np.inf:
         raise InputError(f"blockage must be 0 or more seconds, not {blockage:g}")
+    choice = Choice.parse(verdicts)
     step = scenario.step_length if step_length is None else step_length
     number = scenario.seed if seed is None else seed
     with tempfile.TemporaryDirectory() as nowhere:
@@ -125,12 +119,12 @@ def run(
                 raise InputError(f"blockage {blockage:g} s is longer than SUMO's time-to-teleport of {limit:g} s")
             stand = min(_BLOCKAGE, limit) if blockage is None else blockage
             carried.check_kinds(session.vehicle_types)
-            one = _Run(session, scenario, carried, stand, interval, trace)
+            one = _Run(session, scenario, carried, stand, interval, trace, choice)
             return one.simulate(span, progress, stop)
 
 
 class _Run:
-    """The parts of one run, and the order in which they work."""
+    """An engine, and the books that are kept of it."""
 
     def __init__(
         self,
@@ -140,41 +134,22 @@ class _Run:
         blockage: float,
         interval: float,
         trace: Recorder | None,
+        choice: Choice,
     ) -> None:
         self._session, self._scenario, self._carried = session, scenario, carried
         self._blockage = blockage
-        self._seed = session.seed
-        network = Network()
-        self._traffic = Traffic(session.dt)
-        friction = Friction(self._traffic, scenario.mu, scenario.stretches)
-        self._override = Override(self._traffic, friction)
-        self._wrecks = Wrecks(self._traffic, network, session.sublane, blockage)
-        self._leads = Leads(self._traffic)
-        self._paths = Paths(self._traffic, network)
-        self._walkers = Walkers(self._traffic, network)
-        self._sightlines = sightlines = Sightlines(self._traffic, walls())
-        drivers = scenario.drivers
-        self._motorists = Motorists(self._traffic, self._leads, drivers, self._seed)
-        self._violations = Violations(
-            self._traffic, self._paths, drivers.failure_to_yield, drivers.riders, sightlines, self._seed
+        self._engine = engine = Engine(session, scenario, carried, blockage)
+        self._conflicts = Conflicts(engine.traffic, engine.error, scenario.mu)
+        self._verdicts = (
+            Verdicts(engine, self._conflicts, choice=choice, forks=Forks()) if choice.size and carried.systems else None
         )
-        footpaths = Footpaths(self._traffic, self._paths, self._walkers)
-        world = self._traffic, self._leads, self._paths, footpaths, sightlines, friction
-        self._fleet = Fleets(
-            {
-                s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=self._seed)
-                for s in carried.systems or (System.of("none"),)
-            }
-        )
+        self._interventions = Interventions(judged=self._verdicts is not None)
+        self._book = TrafficBook(engine.traffic, session.begin, interval)
+        self._crashes = Crashes(engine.traffic, engine.fleet, engine.error)
+        self._equipped = 0
         self._trace = trace
         if trace is not None:
-            trace.attend(World(self._traffic, self._leads, friction, self._motorists, self._fleet))
-        self._interventions = Interventions()
-        self._conflicts = Conflicts(self._traffic, self._error, scenario.mu)
-        self._book = TrafficBook(self._traffic, session.begin, interval)
-        self._crashes = Crashes(self._traffic, self._fleet, self._error)
-        self._equipped = 0
-        self._warnings: list[tuple[str, str]] = []  # who is being warned, and of whom
+            trace.attend(engine)
 
     def simulate(
         self, duration: float | None, progress: Callable[[Progress], None] | None, stop: Callable[[], bool] | None
@@ -184,19 +159,18 @@ class _Run:
         outcome, reason = "completed", ""
         while (end is None and not self._session.exhausted) or (end is not None and self._session.time < end - dt / 2):
             try:
-                self._session.step()
+                self._step()
             except SumoError as error:
                 outcome, reason = "failed", str(error)
                 break
-            self._step()
             if progress is not None:
                 progress(
                     Progress(
                         self._session.time - begin,
                         None if end is None else end - begin,
-                        len(self._traffic.present),
+                        len(self._engine.traffic.present),
                         len(self._crashes.rows),
-                        len(self._interventions.rows),
+                        len(self._interventions),
                     )
                 )
             if stop is not None and stop():
@@ -205,62 +179,35 @@ class _Run:
         return self._results(outcome, reason)
 
     def _step(self) -> None:
-        """One walk through the house: observe -> perception -> strategy -> brake -> override -> books."""
-        t, time = self._traffic, self._session.time
-        t.observe()
-        self._walkers.observe()
-        self._fleet.fit()
-        self._sightlines.step()
-        self._override.verify()
-        self._comings_and_goings(time)
-        for crash in self._wrecks.step(time):
+        """One walk through the house; the books are written when all is decided, and nothing of it done."""
+        engine = self._engine
+        engine.observe()
+        time, wrecked = engine.time, engine.wrecks.wrecked
+        self._book_comings_and_goings()
+        for crash in engine.crashes:
             self._book_crash(crash)
-        wrecked = self._wrecks.wrecked
-
-        self._leads.step()
-        self._paths.step()
-        self._motorists.step(time, self._warnings, self._fleet.decel, wrecked)
-        self._violations.step(self._motorists.attentive)
-        self._fleet.step(time, wrecked)
-        self._override.drive(
-            erring=self._motorists.erring,
-            erring_accel=self._motorists.accel,
-            aeb=self._fleet.decel,
-            wrecked=wrecked,
-            wreck_speed=self._wrecks.speed,
-        )
-        acting = self._fleet.active()
-        self._warnings = [(t.ids[slot], t.ids[target.slot]) for slot, target in acting if target is not None]
-        for slot, target in acting:
-            self._book_action(time, slot, target)
+        engine.decide()
+        begun = [(slot, self._book_action(time, slot, target)) for slot, target in engine.acting]
+        self._interventions.expire(time)
+        self._conflicts.step(time, engine.leads, engine.paths.crossings, wrecked, engine.fleet.equipped)
+        self._book.step(time, wrecked)
         if self._trace is not None:
             self._trace.step(time)
-        self._interventions.expire(time)
-        self._conflicts.step(time, self._leads, self._paths.crossings, wrecked, self._fleet.equipped)
-        self._book.step(time, wrecked)
-        self._wrecks.clear(time)
-        t.release_slots()
+        if self._verdicts is not None:
+            self._verdicts.step([(slot, new) for slot, new in begun if new is not None])
+            self._interventions.flush()
+        engine.act()
 
-    def _comings_and_goings(self, time: float) -> None:
-        t = self._traffic
+    def _book_comings_and_goings(self) -> None:
+        t, fleet = self._engine.traffic, self._engine.fleet
         for slot, vehicle in t.left:
-            self._fleet.leave(slot)
-            self._motorists.leave(slot, vehicle)
             self._interventions.close(vehicle, "left")
-            if vehicle in t.arrived and vehicle not in self._wrecks.removed:
+            if vehicle in t.arrived and vehicle not in self._engine.wrecks.removed:
                 self._book.arrive(slot)
         for slot in t.departed:
-            vehicle, vclass = t.ids[slot], t.vclass[slot]
-            system = self._carried.of(vehicle, vtype=t.vtype[slot], vclass=vclass, seed=self._seed)
-            name = system.name if system else ""
-            self._equipped += bool(name)
-            self._fleet.depart(slot, name)
-            self._book.depart(slot, name)
-            self._motorists.depart(slot, vehicle, time)
-
-    def _error(self, slot: int, other: int | None = None) -> str:
-        """The error that a road user makes now, by name; towards another, if named."""
-        return self._violations.error(slot, other) or self._motorists.error(slot)
+            system = fleet.system(slot)
+            self._equipped += bool(system)
+            self._book.depart(slot, system)
 
     def _book_crash(self, crash: Crash) -> None:
         hit = crash.impact
@@ -269,16 +216,17 @@ class _Run:
         self._interventions.close(crash.striker, "crash", hit.striker_speed)
         self._interventions.close(crash.struck, "crash", hit.struck_speed)
 
-    def _book_action(self, time: float, slot: int, target: Target | None) -> None:
-        t, vehicle = self._traffic, self._traffic.ids[slot]
-        self._interventions.act(
+    def _book_action(self, time: float, slot: int, target: Target | None) -> Intervention | None:
+        t, fleet = self._engine.traffic, self._engine.fleet
+        vehicle = t.ids[slot]
+        return self._interventions.act(
             time,
             vehicle,
             t.vclass[slot],
             Action(
-                strategy=self._fleet.system(slot),
-                phase=int(self._fleet.demand.phase[slot]),
-                decel=float(self._fleet.decel[slot]) if t.speed[slot] > 0 else 0.0,
+                strategy=fleet.system(slot),
+                phase=int(fleet.demand.phase[slot]),
+                decel=float(fleet.decel[slot]) if t.speed[slot] > 0 else 0.0,
                 speed=float(t.speed[slot]),
                 target=t.ids[target.slot] if target else "",
                 target_vclass=t.vclass[target.slot] if target else "",
@@ -287,27 +235,31 @@ class _Run:
                 ttc=target.ttc if target else np.nan,
                 ttc2=target.ttc2 if target else np.nan,
                 closing_speed=target.closing_speed if target else np.nan,
-                error=self._error(slot, target.slot if target else None),
+                error=self._engine.error(slot, target.slot if target else None),
                 x=float(t.x[slot]),
                 y=float(t.y[slot]),
             ),
         )
 
     def _results(self, outcome: str, reason: str) -> Results:
-        session, wrecks, audit = self._session, self._wrecks, self._override.audit
+        session, engine = self._session, self._engine
+        wrecks, audit = engine.wrecks, engine.override.audit
         self._interventions.close_all()
+        if self._verdicts is not None:
+            self._verdicts.finish("" if outcome == "completed" else f"the run was {outcome}")
+            self._interventions.flush()
         self._conflicts.close_all()
         self._book.close_interval(session.time)
         confirmed = self._crashes.reconcile(wrecks.reported.keys())
         name = "-".join(filter(None, (Path(self._scenario.name).stem, self._scenario.variation)))
-        run_id = self._carried.run_id(name, self._seed)
+        run_id = self._carried.run_id(name, session.seed)
         runs = {
             "scenario": self._scenario.name,
             "strategy": self._carried.name,
             "sensing": self._carried.sensing,
             "parameters": self._carried.parameters,
             "penetration": None if np.isnan(self._carried.penetration) else self._carried.penetration,
-            "seed": self._seed,
+            "seed": session.seed,
             "drivers": self._scenario.drivers.name,
             "step_length_s": session.dt,
             "begin_s": session.begin,
@@ -319,7 +271,7 @@ class _Run:
             "blockage_s": self._blockage,
             "outcome": outcome,
             "reason": reason,
-            "vehicles": self._traffic.inserted,
+            "vehicles": engine.traffic.inserted,
             "equipped": self._equipped,
             "crashes": len(self._crashes.rows),
             "sumo_collisions": len(wrecks.reported),
@@ -329,7 +281,7 @@ class _Run:
             "override_commands": audit.commands,
             "override_violations": audit.violations,
             "override_worst_mps": audit.worst,
-            "teleports": self._traffic.teleports,
+            "teleports": engine.traffic.teleports,
             "aeb_sumo_version": aeb_sumo.__version__,
             "sumo_version": session.version,
         }

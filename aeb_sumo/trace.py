@@ -1,39 +1,23 @@
 """Recorders: look on while a run is simulated. Traces: vehicles recorded step by step, for test cases and figures."""
 
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
 
-from aeb_sumo.fleets import Fleets
-from aeb_sumo.motorists import Motorists
-from aeb_sumo.world.friction import Friction
-from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.surroundings import Leads
+from aeb_sumo.engine import Engine
 
-__all__ = ["Recorder", "Trace", "World"]
-
-
-@dataclass(frozen=True)
-class World:
-    """What there is to see of a run."""
-
-    traffic: Traffic
-    leads: Leads
-    friction: Friction
-    motorists: Motorists
-    fleet: Fleets
+__all__ = ["Recorder", "Trace"]
 
 
 class Recorder(Protocol):
     """Looks on; give it to `aeb_sumo.simulate.run`."""
 
-    def attend(self, world: World) -> None:
+    def attend(self, world: Engine) -> None:
         """A run begins."""
 
     def step(self, time: float) -> None:
-        """A step has ended at `time` [s], and what all do in the coming one is decided."""
+        """A step has ended at `time` [s], and what all do in the coming one is decided, but not yet done."""
 
 
 class Trace:
@@ -50,9 +34,9 @@ class Trace:
         self._vehicles = vehicles
         self._rows: list[dict[str, Any]] = []
         self.latest: dict[str, dict[str, Any]] = {}
-        self._world: World
+        self._world: Engine
 
-    def attend(self, world: World) -> None:
+    def attend(self, world: Engine) -> None:
         """Record this run."""
         self._world = world
         self._rows, self.latest = [], {}

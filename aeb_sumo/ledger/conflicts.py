@@ -5,6 +5,7 @@ Every pair that meets (see `ledger.encounters`) is followed until it is over; wh
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -92,12 +93,18 @@ class _Open:
 
 
 class Conflicts:
-    """Book of conflicts; `rows` are those that are over and came to matter.
+    """Book of conflicts.
 
     Args:
         traffic: all vehicles.
         error: names the error that the driver in one slot makes towards that in another, or is empty.
         mu: friction coefficient of the road.
+
+    Attributes:
+        rows: those that are over and came to matter.
+        pairs: who met in the last step.
+        hard: (k, 2) slots of those of them who braked as hard as in a near-crash.
+        ended: rows that the last step added without a crash.
     """
 
     def __init__(self, traffic: Traffic, error: Callable[[int, int], str], mu: float) -> None:
@@ -107,9 +114,10 @@ class Conflicts:
         self._evasive = min(EVASIVE, _SLIPPERY * mu * G)
         self._errors: dict[int, list[str]] = {}
         nobody = np.zeros(0, np.bool_)
-        self._open = _Open.of(
-            following(traffic, Leads(traffic), nobody), 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_)
-        )
+        self.pairs = following(traffic, Leads(traffic), nobody)
+        self.hard = self.pairs.slots
+        self.ended: list[dict[str, Any]] = []
+        self._open = _Open.of(self.pairs, 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_))
 
     def crash(self, one: int, other: int) -> None:
         """The vehicles in two slots have touched."""
@@ -122,13 +130,16 @@ class Conflicts:
     def step(self, time: float, leads: Leads, crossings: Crossings, wrecked: Bools, equipped: Bools) -> None:
         """Book the step that ended at `time` [s]; per slot who is a wreck, and who has an AEB."""
         t = self._traffic
+        self.ended = []
         pairs = following(t, leads, wrecked)
         if len(crossings.ego):
             pairs = joined(pairs, crossing(t, crossings, wrecked))
+        self.pairs = pairs
         at = self._rows_of(pairs, time, equipped)
         o, slots = self._open, pairs.slots
         evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
         braking = np.where(evading, np.maximum(-t.accel[slots], 0.0), 0.0)
+        self.hard = slots[np.where(pairs.key < 0, braking.max(1), braking[:, 0]) > self._evasive]
         self._note_worst(at, pairs)
         for smallest, value in ((o.min_gap, pairs.gap), (o.min_ttc, pairs.ttc), (o.min_ttc2, pairs.ttc2)):
             smallest[at] = np.minimum(smallest[at], value)
@@ -204,32 +215,32 @@ class Conflicts:
                 continue
             e = int(ego[k])
             one, other = o.slots[k, e], o.slots[k, 1 - e]
-            self.rows.append(
-                {
-                    "conflict_id": len(self.rows),
-                    "kind": "crossing" if crosses[k] else "following",
-                    "ego": t.ids[one],
-                    "other": t.ids[other],
-                    "ego_vclass": t.vclass[one],
-                    "other_vclass": t.vclass[other],
-                    "ego_equipped": bool(o.equipped[k, e]),
-                    "other_equipped": bool(o.equipped[k, 1 - e]),
-                    "begin_s": o.begin[k],
-                    "end_s": o.seen[k],
-                    "min_ttc_s": o.min_ttc[k],
-                    "min_ttc2_s": o.min_ttc2[k],
-                    "max_drac_mps2": o.max_drac[k],
-                    "max_required_decel_mps2": o.max_required[k],
-                    "min_gap_m": o.min_gap[k],
-                    "pet_s": float(gap[k]) if np.isfinite(gap[k]) and not crashed else None,
-                    "exposed_s": o.exposed[k],
-                    "max_decel_mps2": o.max_decel[k, e],
-                    "near_crash": bool(near[k] and not crashed),
-                    "crashed": crashed,
-                    "secondary": bool(o.secondary[k]),
-                    "ego_error": errors[e],
-                    "other_error": errors[1 - e],
-                    "x_m": o.where[k, 2 * e],
-                    "y_m": o.where[k, 2 * e + 1],
-                }
-            )
+            booked: dict[str, Any] = {
+                "conflict_id": len(self.rows),
+                "kind": "crossing" if crosses[k] else "following",
+                "ego": t.ids[one],
+                "other": t.ids[other],
+                "ego_vclass": t.vclass[one],
+                "other_vclass": t.vclass[other],
+                "ego_equipped": bool(o.equipped[k, e]),
+                "other_equipped": bool(o.equipped[k, 1 - e]),
+                "begin_s": o.begin[k],
+                "end_s": o.seen[k],
+                "min_ttc_s": o.min_ttc[k],
+                "min_ttc2_s": o.min_ttc2[k],
+                "max_drac_mps2": o.max_drac[k],
+                "max_required_decel_mps2": o.max_required[k],
+                "min_gap_m": o.min_gap[k],
+                "pet_s": float(gap[k]) if np.isfinite(gap[k]) and not crashed else None,
+                "exposed_s": o.exposed[k],
+                "max_decel_mps2": o.max_decel[k, e],
+                "near_crash": bool(near[k] and not crashed),
+                "crashed": crashed,
+                "secondary": bool(o.secondary[k]),
+                "ego_error": errors[e],
+                "other_error": errors[1 - e],
+                "x_m": o.where[k, 2 * e],
+                "y_m": o.where[k, 2 * e + 1],
+            }
+            self.rows.append(booked)
+            self.ended += [] if crashed else [booked]

@@ -1,17 +1,17 @@
 """Interventions: what an AEB did, from its first warning or braking until it has been doing neither for a while."""
 
+from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from aeb_sumo.fleets import PAUSE
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.strategies.base import Phase
 
-__all__ = ["PAUSE", "Action", "Interventions"]
-
-PAUSE = 1.0
-"""Two actions of a vehicle with less than this between them are one intervention [s], our assumption."""
+__all__ = ["Action", "Intervention", "Interventions"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,29 +45,57 @@ class Action:
 
 
 @dataclass
-class _Open:
-    """An intervention that has not ended."""
+class Intervention:
+    """One intervention, until it is a row.
+
+    Attributes:
+        row: what is known of it.
+        last: when it last acted [s].
+        lowest: own speed so far [m/s].
+        braking_from: own speed at the first braking [m/s].
+        open: it has not ended.
+        judged: nothing more is to come of its verdict.
+    """
 
     row: dict[str, Any]
     last: float
     lowest: float
     braking_from: float | None = None
+    open: bool = True
+    judged: bool = True
+
+    def judge(self, verdict: Mapping[str, Any]) -> None:
+        """Its verdict, as columns; none of them: there is none."""
+        self.row |= verdict
+        self.judged = True
 
 
 @dataclass
 class Interventions:
-    """Book of interventions; `rows` are those that have ended."""
+    """Book of interventions.
 
+    Attributes:
+        judged: verdicts are given, so that a row waits for its own.
+        rows: those that have ended.
+    """
+
+    judged: bool = False
     rows: Rows = field(default_factory=lambda: Rows("interventions"))
-    _open: dict[str, _Open] = field(default_factory=dict)
+    _open: dict[str, Intervention] = field(default_factory=dict)
+    _waiting: deque[Intervention] = field(default_factory=deque)
+    _ended: int = 0
 
-    def act(self, time: float, vehicle: str, vclass: str, action: Action) -> None:
-        """A vehicle's AEB warns or brakes in the step that begins at `time` [s]."""
+    def __len__(self) -> int:
+        """Those that have ended."""
+        return self._ended
+
+    def act(self, time: float, vehicle: str, vclass: str, action: Action) -> Intervention | None:
+        """A vehicle's AEB warns or brakes in the step that begins at `time` [s]; the intervention, if one begins."""
         if vehicle in self._open and time - self._open[vehicle].last > PAUSE:
             self.close(vehicle, "released")
-        entry = self._open.get(vehicle)
+        entry, new = self._open.get(vehicle), None
         if entry is None:
-            entry = self._open[vehicle] = self._begin(time, vehicle, vclass, action)
+            entry = new = self._open[vehicle] = self._begin(time, vehicle, vclass, action)
         row = entry.row
         entry.last = time
         entry.lowest = min(entry.lowest, action.speed)
@@ -87,8 +115,9 @@ class Interventions:
             }
         if action.phase == Phase.FULL_BRAKE and row["full_brake_s"] is None:
             row["full_brake_s"] = time
+        return new
 
-    def _begin(self, time: float, vehicle: str, vclass: str, action: Action) -> _Open:
+    def _begin(self, time: float, vehicle: str, vclass: str, action: Action) -> Intervention:
         row = {
             "vehicle": vehicle,
             "vclass": vclass,
@@ -113,8 +142,11 @@ class Interventions:
             "driver_error": action.error,
             "x_m": action.x,
             "y_m": action.y,
+            "verdict": "",
+            "verdict_reason": "",
+            "acted_by": "",
         }
-        return _Open(row, time, action.speed)
+        return Intervention(row, time, action.speed, judged=not self.judged)
 
     def expire(self, time: float) -> None:
         """End those that have been quiet for `PAUSE`."""
@@ -130,14 +162,22 @@ class Interventions:
             why = "standstill"
         row = entry.row
         entry.lowest = min(entry.lowest, speed)
-        row["intervention_id"] = len(self.rows)
+        row["intervention_id"] = self._ended
         row["phase"] = Phase(row["phase"]).name.lower()
         row["end_s"] = entry.last
         row["ended_by"] = why
         row["speed_reduction_mps"] = 0.0 if entry.braking_from is None else entry.braking_from - entry.lowest
-        self.rows.append(row)
+        entry.open = False
+        self._ended += 1
+        self._waiting.append(entry)
+        self.flush()
 
     def close_all(self) -> None:
         """The run ends."""
         for vehicle in list(self._open):
             self.close(vehicle, "run_end")
+
+    def flush(self) -> None:
+        """Write down those that nothing more is to come of, in the order of their ends."""
+        while self._waiting and self._waiting[0].judged:
+            self.rows.append(self._waiting.popleft().row)

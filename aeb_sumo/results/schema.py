@@ -11,7 +11,7 @@ import pyarrow as pa
 
 __all__ = ["SCHEMA_VERSION", "TABLES", "Column", "Table"]
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 
 DType = Literal["string", "int64", "float64", "bool"]
 
@@ -148,6 +148,17 @@ _CRASHES = _table(
     ("sumo_reported", "bool", "-", "SUMO's own check reported the pair as well"),
 )
 
+_WORLD: tuple[tuple[str, DType, str, str], ...] = (
+    ("crash", "bool", "-", "the vehicle, or one of the three behind it, crashes in the window; null without verdict"),
+    ("impact_speed_mps", "float64", "m/s", "impact speed of the hardest of these crashes; null without crash"),
+    ("delta_v_mps", "float64", "m/s", "the larger change of velocity of the two in it"),
+    ("serious_risk", "float64", "-", "risk that somebody is injured seriously in it; null where no curve applies"),
+    ("near_crash", "bool", "-", "no crash, but the vehicle or one it met braked as in a near-crash (`conflicts`)"),
+    ("min_gap_m", "float64", "m", "smallest gap to one it closed in on or whose path it crossed; null for nobody"),
+    ("pet_s", "float64", "s", "smallest post-encroachment time below 3 s of its crossings; null for none"),
+    ("follower_decel_mps2", "float64", "m/s2", "largest deceleration of one who follows within 3 s"),
+)
+
 _INTERVENTIONS = _table(
     "interventions",
     "One row per intervention: from the first warning or braking of an equipped vehicle until it has been doing "
@@ -179,6 +190,23 @@ _INTERVENTIONS = _table(
     ("driver_error", "string", "-", "error that the driver was making at the beginning, as in `crashes`"),
     ("x_m", "float64", "m", "front bumper at the beginning, in the network's coordinates"),
     ("y_m", "float64", "m", "front bumper at the beginning, in the network's coordinates"),
+    (
+        "verdict",
+        "string",
+        "-",
+        "what it was worth, against a fork of the world in which it does not take place: `avoided` (a crash), `mitigated`, "
+        "`unchanged`, `worsened` (a crash either way), `induced` (a crash), `precautionary` (a near-crash otherwise), "
+        "`unneeded`, `unknown`; empty where no verdict was asked for",
+    ),
+    ("verdict_reason", "string", "-", "why it is unknown; else empty"),
+    ("verdict_window_s", "float64", "s", "from its beginning, how long the two worlds are compared"),
+    ("acted_by", "string", "-", "what it first acted with on the world: `brake`, or `warning` that reached the driver"),
+    ("acted_s", "float64", "s", "when it did, which is when the world was forked; null if it never did"),
+    *(
+        (f"{world}_{name}", dtype, unit, f"{where}: {meaning}")
+        for world, where in (("with", "with the intervention"), ("without", "without it"))
+        for name, dtype, unit, meaning in _WORLD
+    ),
 )
 
 _CONFLICTS = _table(

@@ -1,0 +1,7 @@
+"""What would have happened otherwise: interventions against a fork of the world in which they do not take place."""
+
+from aeb_sumo.verdicts.book import Verdicts
+from aeb_sumo.verdicts.choice import Choice
+from aeb_sumo.verdicts.judge import VERDICTS, Hit, Outcome, verdict
+
+__all__ = ["VERDICTS", "Choice", "Hit", "Outcome", "Verdicts", "verdict"]

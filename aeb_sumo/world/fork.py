@@ -1,0 +1,194 @@
+"""Forking the world: a copy of this process, with the running SUMO in it, lives on and says what became of it."""
+
+import fcntl
+import gc
+import os
+import pickle
+import select
+import signal
+import stat
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import libsumo
+
+__all__ = ["Answer", "Forks", "obstacle"]
+
+_READ = 1 << 16  # bytes at once
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What came of a fork: a value, or why there is none.
+
+    Attributes:
+        value: what the fork found.
+        failure: why it did not; empty if it did.
+    """
+
+    value: Any = None
+    failure: str = ""
+
+
+@dataclass
+class _Child:
+    number: int
+    pid: int
+    started: float
+    data: bytes = b""
+
+
+def obstacle() -> str:
+    """Why the running simulation cannot be forked; empty if it can.
+
+    A fork copies one thread. SUMO must have no others, or the copy waits for them for ever.
+    """
+    if not sys.platform.startswith("linux"):
+        return f"worlds are forked on Linux only, not on {sys.platform}"
+    for option in ("threads", "device.rerouting.threads"):
+        threads = int(libsumo.simulation.getOption(option))
+        if threads > 1:
+            return f"SUMO runs with {threads} {option}, and a world is forked with one only"
+    return ""
+
+
+class Forks:
+    """Copies of the running world, so many at a time.
+
+    Args:
+        limit: forks that live at once; a further one waits for the first of them. None for one per core that is free
+            beside this process, at least one.
+        patience: after so many seconds of wall time a fork is given up, our assumption.
+    """
+
+    def __init__(self, limit: int | None = None, patience: float = 120.0) -> None:
+        self._limit = max(1, len(os.sched_getaffinity(0)) - 1) if limit is None else limit
+        self._patience = patience
+        self._count = 0
+        self._children: dict[int, _Child] = {}  # by the end of the pipe that is read
+        self._answers: dict[int, Answer] = {}
+
+    def __len__(self) -> int:
+        """Forks that have not answered."""
+        return len(self._children)
+
+    def split(self, future: Callable[[], Any]) -> int:
+        """Let a copy of this process compute `future()`, whose result must be picklable; the number of the fork.
+
+        The copy answers and is gone; nothing that it does to the world is seen here.
+        """
+        while len(self._children) >= self._limit:
+            self._collect(wait=True)
+        self._count += 1
+        inward, outward = os.pipe()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        try:
+            with warnings.catch_warnings():
+                # Python sees threads, those of the linear algebra, and does not know that they expect forks.
+                warnings.simplefilter("ignore", DeprecationWarning)
+                pid = os.fork()
+        except OSError as error:
+            os.close(inward)
+            os.close(outward)
+            self._answers[self._count] = Answer(failure=f"the world could not be forked: {error.strerror}")
+            return self._count
+        if pid == 0:
+            _live(future, outward)
+        os.close(outward)
+        self._children[inward] = _Child(self._count, pid, time.monotonic())
+        return self._count
+
+    def answers(self, *, wait: bool = False) -> dict[int, Answer]:
+        """Those that have come since the last call, by the number of the fork.
+
+        Args:
+            wait: for all that are still out.
+        """
+        if self._children:
+            self._collect(wait=False)
+        while wait and self._children:
+            self._collect(wait=True)
+        come, self._answers = self._answers, {}
+        return come
+
+    def end(self) -> None:
+        """Give up all forks."""
+        for inward in list(self._children):
+            self._bury(inward, "given up")
+
+    def _collect(self, *, wait: bool) -> None:
+        """Read what is there; `wait` until there is something."""
+        now = time.monotonic()
+        oldest = min(child.started for child in self._children.values())
+        pause = max(0.0, oldest + self._patience - now) if wait else 0.0
+        ready, _, _ = select.select(list(self._children), [], [], pause)
+        for inward in ready:
+            data = os.read(inward, _READ)
+            self._children[inward].data += data
+            if not data:
+                self._bury(inward, "")
+        for inward, child in list(self._children.items()):
+            if time.monotonic() - child.started > self._patience:
+                self._bury(inward, f"the fork was not done within {self._patience:g} s")
+
+    def _bury(self, inward: int, given_up: str) -> None:
+        child = self._children.pop(inward)
+        os.close(inward)
+        if given_up:
+            os.kill(child.pid, signal.SIGKILL)
+        _, status = os.waitpid(child.pid, 0)
+        self._answers[child.number] = Answer(failure=given_up) if given_up else _answer(child.data, status)
+
+
+def _answer(data: bytes, status: int) -> Answer:
+    if os.WIFSIGNALED(status):
+        return Answer(failure=f"the fork was ended by signal {os.WTERMSIG(status)}")
+    try:
+        answer = pickle.loads(data)  # noqa: S301 - from a copy of ourselves
+    except (EOFError, pickle.UnpicklingError):
+        return Answer(failure="the fork ended without an answer")
+    return answer if isinstance(answer, Answer) else Answer(failure="the fork ended without an answer")
+
+
+def _live(future: Callable[[], Any], outward: int) -> None:
+    """The life of a fork; it ends here."""
+    try:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the parent decides
+        gc.disable()  # collecting would copy all memory that is shared
+        _part_files(outward)
+        try:
+            answer = Answer(future())
+        except BaseException as error:
+            answer = Answer(failure=" ".join(f"{type(error).__name__}: {error}".split()))
+        with os.fdopen(outward, "wb") as pipe:
+            pickle.dump(answer, pipe)
+    finally:
+        os._exit(0)
+
+
+def _part_files(keep: int) -> None:
+    """Part from the parent's open files.
+
+    A fork shares them, position and all: SUMO goes on reading routes while it runs, and would take them away from the
+    parent; and what it wrote would end up in the parent's files.
+    """
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for fd in [int(name) for name in os.listdir("/proc/self/fd")]:  # noqa: PTH208 - numbers, not paths
+        if fd in (keep, nowhere):
+            continue
+        try:
+            mode, flags = os.fstat(fd).st_mode, fcntl.fcntl(fd, fcntl.F_GETFL)
+        except OSError:  # the listing's own
+            continue
+        if flags & os.O_ACCMODE != os.O_RDONLY:
+            os.dup2(nowhere, fd)
+        elif stat.S_ISREG(mode):
+            own = os.open(f"/proc/self/fd/{fd}", os.O_RDONLY)
+            os.lseek(own, os.lseek(fd, 0, os.SEEK_CUR), os.SEEK_SET)
+            os.dup2(own, fd)
+            os.close(own)
