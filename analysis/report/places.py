@@ -113,7 +113,7 @@ def _near(road: NDArray[np.float64], view: View) -> bool:
 
 def _interventions(axes: Axes, some: pd.DataFrame) -> None:
     """By verdict where there are any, else by phase; warnings are faint, for there are many."""
-    if "verdict" in some and (some["verdict"].fillna("") != "").any():
+    if (some["verdict"].fillna("") != "").any():
         for verdict, colour in VERDICTS.items():
             rows = some[some["verdict"] == verdict]
             if len(rows):

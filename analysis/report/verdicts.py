@@ -16,8 +16,6 @@ __all__ = ["card_line", "section", "verdicts"]
 
 def verdicts(data: Dataset) -> pd.Series:
     """Verdict of every intervention that has one."""
-    if "verdict" not in data.interventions:
-        return pd.Series(dtype=str)
     found = data.interventions["verdict"].fillna("")
     return found[found != ""]
 
