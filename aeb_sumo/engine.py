@@ -126,6 +126,11 @@ class Engine:
         """The error that a road user makes now, by name; towards another, if named."""
         return self._violations.error(slot, other) or self.motorists.error(slot)
 
+    def equip(self, slot: int, system: str) -> None:
+        """Give the vehicle in a slot another AEB system, by name; the run must know it, if only with a share of 0."""
+        self.fleet.leave(slot)
+        self.fleet.depart(slot, system)
+
     def suppress(self, slot: int) -> None:
         """Take back what the AEB in a slot has decided, and all it does until it has been quiet for a while.
 

@@ -204,6 +204,8 @@ class _Run:
             self._interventions.close(vehicle, "left")
             if vehicle in t.arrived and vehicle not in self._engine.wrecks.removed:
                 self._book.arrive(slot)
+            else:
+                self._book.remove(slot)
         for slot in t.departed:
             system = fleet.system(slot)
             self._equipped += bool(system)

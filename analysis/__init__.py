@@ -10,9 +10,10 @@ from analysis.conflicts import conflict_counts, conflict_statistics, near_crash_
 from analysis.crashes import crash_counts, crash_rates
 from analysis.interventions import intervention_counts, intervention_statistics
 from analysis.load import Dataset, load
+from analysis.price import delay_per_avoided_crash, traffic_price
 from analysis.rates import poisson_rate
 from analysis.statistics import Interval, paired_interval
-from analysis.throughput import throughput, throughput_impact
+from analysis.throughput import throughput, throughput_impact, throughput_over_time
 
 __all__ = [
     "Dataset",
@@ -22,6 +23,7 @@ __all__ = [
     "conflict_statistics",
     "crash_counts",
     "crash_rates",
+    "delay_per_avoided_crash",
     "intervention_counts",
     "intervention_statistics",
     "load",
@@ -31,4 +33,6 @@ __all__ = [
     "summary",
     "throughput",
     "throughput_impact",
+    "throughput_over_time",
+    "traffic_price",
 ]

@@ -18,7 +18,6 @@ __all__ = ["compare", "summary"]
 def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     """All figures of one group of runs: (section, figure, unit) -> value."""
     (rate,) = crash_rates(part).itertuples()
-    (flow,) = throughput(part).itertuples()
     (ratio,) = near_crash_ratio(part).itertuples()
     crashes, interventions, conflicts, runs = part.crashes, part.interventions, part.conflicts, part.runs
     braking = interventions[interventions["phase"] != "warn"]
@@ -59,11 +58,7 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     figures["interventions", "median TTC at braking", "s"] = ttc.median()
     figures["interventions", "mean peak deceleration", "m/s²"] = braking["max_decel_mps2"].mean()
     figures["interventions", "mean speed reduction", "km/h"] = braking["speed_reduction_mps"].mean() * 3.6
-    figures["traffic", "arrivals", ""] = flow.arrived
-    figures["traffic", "still waiting to enter", ""] = flow.pending
-    figures["traffic", "flow", "1/h"] = flow.flow_vph
-    figures["traffic", "mean speed", "km/h"] = flow.speed_kmh
-    figures["traffic", "delay", "s/km"] = flow.delay_s_per_km
+    figures |= {("traffic", *figure): value for figure, value in _traffic(part).items()}
     figures["checks", "SUMO's own collisions", ""] = runs["sumo_collisions"].sum()
     figures["checks", "  also counted here", ""] = runs["confirmed_by_sumo"].sum()
     figures["checks", "contacts dismissed", ""] = runs["contacts_dismissed"].sum()
@@ -74,6 +69,27 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
 def _expected(crashes: pd.DataFrame, what: str) -> float:
     """Sum of the risks of all persons for whom there is a curve."""
     return float(crashes[[f"striker_{what}_risk", f"struck_{what}_risk"]].sum().sum())
+
+
+def _traffic(part: Dataset) -> dict[tuple[str, str], Any]:
+    (flow,) = throughput(part).itertuples()
+    traffic = part.traffic
+    return {
+        ("arrivals", ""): flow.arrived,
+        ("still waiting to enter", ""): flow.pending,
+        ("flow", "1/h"): flow.flow_vph,
+        ("flow per lane out of queues", "1/h"): _mean(traffic["discharged"], traffic["headway_s"] / 3600),
+        ("mean speed", "km/h"): flow.speed_kmh,
+        ("mean travel time", "s"): _mean(traffic["travel_time_s"], traffic["arrived"]),
+        ("delay", "s/km"): flow.delay_s_per_km,
+        ("delay behind wrecks", "h"): traffic["blocked_s"].sum() / 3600,
+        ("stops", "1/km"): _mean(traffic["stops"], traffic["distance_m"] / 1000),
+    }
+
+
+def _mean(values: pd.Series, per: pd.Series) -> float:
+    """Sum by sum."""
+    return float(values.sum() / per.sum()) if per.sum() else np.nan
 
 
 def _per_1000_km(count: int, km: float) -> float:

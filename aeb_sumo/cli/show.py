@@ -4,8 +4,9 @@ import pandas as pd
 from rich.console import Console
 from rich.table import Table
 
-__all__ = ["console", "print_frame", "print_summary"]
+__all__ = ["console", "print_frame", "print_price", "print_summary"]
 
+_CHANGE = ("difference", "low", "high", "percent")
 _WIDTH = 110  # of the output where there is no terminal to ask
 
 
@@ -42,6 +43,22 @@ def print_frame(frame: pd.DataFrame, title: str) -> None:
     for name, row in turned.iterrows():
         table.add_row(str(name), *(_cell(v, whole=name in {"count", "arrived", "pending"}, sign=False) for v in row))
     console().print(table)
+
+
+def print_price(frame: pd.DataFrame, title: str) -> None:
+    """Print `analysis.traffic_price`, one table per group, and below it what its notes say."""
+    for group, rows in frame.groupby(level="group", sort=False):
+        table = Table(title=f"{title}: {group}", title_justify="left")
+        for name in ("", "baseline", "with AEB", "difference", "95 % from", "to", "%"):
+            table.add_column(name, justify="left" if not name else "right")
+        for (_, figure, unit), (_, row) in zip(rows.index.to_list(), rows.iterrows(), strict=True):
+            label = f"{figure} [{unit}]".replace("[", r"\[") if unit else figure
+            worlds = (_cell(row[c], whole=False, sign=False) for c in ("baseline", "with_aeb"))
+            table.add_row(label, *worlds, *(_cell(row[c], whole=False, sign=True) for c in _CHANGE))
+        console().print(table)
+        for note, some in rows[rows["note"] != ""].groupby("note", sort=False):
+            figures = [figure.strip() for figure in some.index.get_level_values("figure")]
+            console().print(f"{note}: {'all others' if len(some) > len(rows) / 2 else ', '.join(figures)}")
 
 
 def _cell(value: float, *, whole: bool, sign: bool) -> str:

@@ -6,7 +6,7 @@ import click
 from rich.table import Table
 
 import analysis
-from aeb_sumo.cli.show import console, print_frame, print_summary
+from aeb_sumo.cli.show import console, print_frame, print_price, print_summary
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES
 
@@ -30,6 +30,12 @@ def compare(folder: Path, other: Path | None) -> int:
             print_frame(analysis.intervention_statistics(each), f"{name}: interventions")
         if {"none"} < set(each.by_group()):
             print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
+            try:
+                price = analysis.traffic_price(each)
+            except InputError as error:
+                click.echo(f"aeb-sumo: note: no price for the traffic in {name}: {error}", err=True)
+            else:
+                print_price(price, f"{name}: price for the traffic, by seed")
     return 0
 
 

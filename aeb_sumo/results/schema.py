@@ -194,7 +194,7 @@ _INTERVENTIONS = _table(
         "verdict",
         "string",
         "-",
-        "what it was worth, against a fork of the world in which it does not take place: `avoided` (a crash), `mitigated`, "
+        "what it was worth, against a fork of the world without it: `avoided` (a crash), `mitigated`, "
         "`unchanged`, `worsened` (a crash either way), `induced` (a crash), `precautionary` (a near-crash otherwise), "
         "`unneeded`, `unknown`; empty where no verdict was asked for",
     ),
@@ -275,24 +275,45 @@ _EXPOSURE = _table(
 
 _TRAFFIC = _table(
     "traffic",
-    "Traffic per interval and vehicle class; wrecks count as standing.",
+    "Traffic per interval and vehicle class; wrecks count as standing in distance, time, speed and delay, and not at "
+    "all in stops and queues. Queues are defined in `aeb_sumo.ledger.queues` and `.bottlenecks`.",
     ("begin_s", "float64", "s", "start of the interval"),
     ("end_s", "float64", "s", "end of the interval"),
     ("vclass", "string", "-", "SUMO's vehicle class"),
     ("departed", "int64", "-", "vehicles that entered"),
     ("arrived", "int64", "-", "vehicles that reached their destination"),
+    ("removed", "int64", "-", "vehicles taken off the road before their destination: wrecks, for the most part"),
     ("pending", "int64", "-", "vehicles that waited for a place to enter, at the end of the interval"),
+    ("waiting_s", "float64", "s", "time that vehicles waited for a place to enter, sampled once per second"),
     ("flow_vph", "float64", "1/h", "arrivals per hour"),
     ("vehicles_mean", "float64", "-", "vehicles on the road, mean over the interval"),
     ("distance_m", "float64", "m", "distance driven"),
     ("time_s", "float64", "s", "time on the road"),
     ("speed_mps", "float64", "m/s", "space-mean speed: distance by time; null without vehicles"),
+    ("travel_time_s", "float64", "s", "of those that arrived: sum of the times from entering to arriving"),
     (
         "delay_s",
         "float64",
         "s",
         "time lost against driving at the allowed speed, sampled once per second; scheduled stops do not count",
     ),
+    ("stops", "int64", "-", "how often one fell below 5 km/h after having been above 10, sampled once per second"),
+    ("standing_s", "float64", "s", "time below 5 km/h, but for scheduled stops, sampled once per second"),
+    (
+        "blocked_s",
+        "float64",
+        "s",
+        "delay of those queued behind a wreck, directly or through the queue, until they are up to speed again, "
+        "sampled once per second",
+    ),
+    (
+        "discharged",
+        "int64",
+        "-",
+        "vehicles that left a lane with a queue at its end for an edge that was not full, the queue standing since the "
+        "one before left; sampled once per second",
+    ),
+    ("headway_s", "float64", "s", "time since then, sum over them; discharged by headway_s is the capacity per lane"),
 )
 
 TABLES: dict[str, Table] = {t.name: t for t in (_RUNS, _CRASHES, _INTERVENTIONS, _CONFLICTS, _EXPOSURE, _TRAFFIC)}

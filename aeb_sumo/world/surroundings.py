@@ -7,7 +7,7 @@ from aeb_sumo.drivers.lapses import Glances
 from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["Leads", "demanding", "lateral_position", "lost", "overlook", "pending"]
+__all__ = ["Leads", "ahead", "demanding", "lanes", "lateral_position", "lost", "overlook", "pending", "to_end"]
 
 _REACH = 150.0  # m, as far as any sensor sees
 _IGNORE_IDS = "junctionModel.ignoreIDs"
@@ -88,6 +88,24 @@ def lost(t: Traffic) -> Floats:
         if speed > 0.1 or not stopped(vehicle):
             shares[k] = max(0.0, 1 - speed / max(min(allowed(vehicle), fastest(vehicle)), 0.1))
     return shares
+
+
+def ahead(t: Traffic, slots: Ints) -> Ints:
+    """(n,) slots of the vehicles ahead of those in `slots`, as SUMO names them; -1 for none within 150 m."""
+    answers = (libsumo.vehicle.getLeader(t.ids[slot], _REACH) for slot in slots.tolist())
+    return np.array([t.slot.get(answer[0], -1) if answer else -1 for answer in answers], np.int64)
+
+
+def lanes(t: Traffic, slots: Ints) -> list[str]:
+    """Lanes of the vehicles in these slots; empty for who is in a junction."""
+    names = (libsumo.vehicle.getLaneID(t.ids[slot]) for slot in slots.tolist())
+    return ["" if name.startswith(":") else name for name in names]
+
+
+def to_end(t: Traffic, slots: Ints) -> Floats:
+    """(n,) how far it is to the end of the lane for the vehicles in these slots [m]."""
+    get, length = libsumo.vehicle, libsumo.lane.getLength
+    return np.array([length(get.getLaneID(v)) - get.getLanePosition(v) for v in (t.ids[s] for s in slots.tolist())])
 
 
 def pending() -> dict[str, int]:
