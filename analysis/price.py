@@ -124,9 +124,9 @@ def _per_run(data: Dataset, warm_up: float) -> pd.DataFrame:
     start = runs["begin_s"] + warm_up
     if not (warm_up >= 0 and (start < runs["end_s"]).all()):
         raise InputError(f"warm-up of {warm_up:g} s: must be 0 or more, and less than any run lasts")
-    traffic = data.traffic[data.traffic["begin_s"] > data.traffic["run_id"].map(start) - 1e-6]
+    traffic = data.traffic[data.traffic["begin_s"] > data.traffic["run_id"].map(start).astype(float) - 1e-6]
     sums = traffic.drop(columns=["begin_s", "end_s", "vclass"]).groupby("run_id").sum().reindex(runs.index).fillna(0.0)
-    late = data.crashes["time_s"] >= data.crashes["run_id"].map(start)
+    late = data.crashes["time_s"] >= data.crashes["run_id"].map(start).astype(float)
     sums["crashes"] = data.crashes[late].groupby("run_id").size().reindex(runs.index).fillna(0)
     sums["lost_h"] = (sums["delay_s"] + sums["waiting_s"]) / 3600
     sums["hours"] = (runs["end_s"] - start) / 3600
