@@ -1,127 +1,134 @@
 """The answer first: crashes with every system against the same traffic without, seed by seed."""
 
 from collections.abc import Sequence
-from math import isnan
 
 import numpy as np
 import pandas as pd
 
+from analysis.effect import effect
 from analysis.load import Dataset
-from analysis.report.drawing import FAINT, SERIES, canvas, empty, svg
-from analysis.report.intervals import change
+from analysis.report.drawing import FAINT, SERIES, canvas, svg
 from analysis.report.matching import Match
 from analysis.report.parts import Card, Cell, Figure, Quantity, Section, Table, Text, count
-from analysis.statistics import paired_interval
 
-__all__ = ["cards", "crashes_by_run", "section"]
+__all__ = ["section"]
 
 _MANY = 40  # seeds in a drawing that can still be told apart
 
 
-def crashes_by_run(data: Dataset, which: str = "all") -> pd.Series:
-    """Crashes of every run, by run id: `all`, `primary` ones, or the `serious` injuries expected in them."""
-    runs = data.runs["run_id"]
-    crashes = data.crashes
-    if which == "primary":
-        crashes = crashes[~crashes["secondary"].astype(bool)]
-    if which == "serious":
-        risks = crashes[["striker_serious_risk", "struck_serious_risk"]].sum(axis=1)
-        return risks.groupby(crashes["run_id"]).sum().reindex(runs, fill_value=0.0)
-    return crashes.groupby("run_id").size().reindex(runs, fill_value=0)
-
-
-def section(data: Dataset, matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]]) -> Section:
+def section(
+    matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]], figures: Sequence[Figure], data: Dataset
+) -> Section:
     """Cards, a drawing seed by seed, and the numbers behind them.
 
     Args:
-        data: all runs.
         matched: groups with AEB and what they are compared with.
         extra: lines for the card of each group.
+        figures: to stand beside the first ones.
+        data: all runs.
     """
-    figures = [_by_seed(data, match, k) for k, match in enumerate(matched) if len(match.pairs)]
-    rows = [row for match in matched if len(match.pairs) for row in _rows(data, match)]
+    compared = [m for m in matched if len(m.pairs)]
+    rows = [row for match in compared for row in _rows(match)]
     table = Table(
-        id="answer-table", title="With AEB against without, same seeds", rows=rows,
-        head=("group", "measure", "without", "with", "avoided per run", "avoided, percent"),
-        note="Avoided: without less with, so new crashes count against it; a negative number is an increase. Intervals: "
-        "the seed is the unit; studentized bootstrap of the seeds from six on, t below; percent by the log ratio. Primary: "
-        "neither vehicle had crashed before. Serious injuries: sum of the risks of the persons for whom there is a curve, "
-        "so a lower bound.",
+        id="answer-table", title="Crashes with AEB against without, same seeds", rows=rows,
+        head=("group", "measure", "per run without", "per run with", "avoided per run", "avoided, percent"),
+        note="Avoided: without less with, so new crashes count against it; a negative number is an increase. The seed is the "
+        "unit of all intervals: studentized bootstrap of the seeds from six on, t below; percent by the log ratio. "
+        "Primary: neither vehicle had crashed before. Injuries and deaths expected: sums of the risks of the persons for "
+        "whom there is a curve, so lower bounds.",
     )  # fmt: skip
     return Section(
-        id="answer", title="The answer", cards=cards(data, matched, extra), figures=figures,
-        tables=[table] if rows else [],
+        id="answer", title="The answer", cards=_cards(matched, extra, data),
+        figures=[*(_by_seed(match, k) for k, match in enumerate(compared)), *figures], tables=[table] if rows else [],
     )  # fmt: skip
 
 
-def cards(data: Dataset, matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]]) -> list[Card]:
+def _cards(
+    matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]], data: Dataset
+) -> list[Card]:
     """One card per group with AEB; without one, what there is."""
     result = []
     for match, more in zip(matched, extra, strict=True):
         if len(match.pairs):
-            headline, lines = _headline(data, match)
+            headline, lines = _headline(match)
         else:
-            own = data.runs[data.runs["run_id"].isin(match.left_out)]
-            seen = count(f"{match.group}/crashes/with", own["crashes"].sum())
-            headline: Text = (seen, " crashes" if seen.value != 1 else " crash", "; no baseline to compare with")
-            lines = [("runs", (count(f"{match.group}/runs", len(own)),))]
+            seen = int(data.crashes["run_id"].isin(match.left_out).sum())
+            headline = (count(f"{match.group}/crashes/with", seen), f" {_noun(seen)} with AEB; no baseline to compare with")
+            lines = [("runs", (count(f"{match.group}/runs", len(match.left_out)),))]
         result.append(Card(title=match.group, headline=headline, lines=[*lines, *more]))
     if not matched:
-        seen = count("none/crashes/without", len(data.crashes))
-        result.append(
-            Card(
-                title="Baseline alone",
-                headline=(seen, " crashes without AEB" if seen.value != 1 else " crash without AEB"),
-                lines=[("compared with", ("nothing: these results hold no run with an AEB",))],
-            )
-        )
+        seen = len(data.crashes)
+        headline = (count("none/crashes/without", seen), f" {_noun(seen)} without AEB")
+        lines = [("compared with", ("nothing: there is no run with an AEB here",))]
+        result.append(Card(title="Baseline alone", headline=headline, lines=lines))
     return result
 
 
-def _headline(data: Dataset, match: Match) -> tuple[Text, list[tuple[str, Text]]]:
-    before, after = _totals(data, match, "all")
-    key = f"{match.group}/all"
-    without, with_ = count(f"{key}/without", before.sum()), count(f"{key}/with", after.sum())
-    net = without.value - with_.value
-    if not without.value and not with_.value:
-        headline: Text = ("No crash, neither without nor with AEB",)
-    elif net >= 0:
-        headline = (count(f"{key}/net", net), " of ", without, " crashes avoided")
+def _noun(n: float) -> str:
+    return "crash" if n == 1 else "crashes"
+
+
+def _headline(match: Match) -> tuple[Text, list[tuple[str, Text]]]:
+    """Crashes avoided, in all runs together, and its intervals."""
+    before, after = (_crashes_of(match, side).sum() for side in ("baseline", "run"))
+    key = f"{match.group}/crashes"
+    without, net = count(f"{key}/without", before), before - after
+    lines: list[tuple[str, Text]] = [("compared", (_runs(key, match),))]
+    if not before and not after:
+        return ("No crash, neither without AEB nor with it",), lines
+    if net >= 0:
+        headline: Text = (count(f"{key}/net", net), " of ", without, f" {_noun(before)} avoided, net")
     else:
-        headline = (count(f"{key}/more", -net), " crashes more than the ", without, " without AEB")
-    percent = _percent(key, before, after)
-    lines: list[tuple[str, Text]] = [] if isnan(percent.value) else [("avoided, net of new ones", (percent,))]
-    per_run = change(f"{key}/per_run", paired_interval(before, after), "per run", turned=True)
-    lines += [("avoided, net", (per_run,))]
+        headline = (count(f"{key}/more", -net), f" {_noun(-net)} more than the ", without, " without AEB")
+    row = effect(match.both).xs("crashes", level="figure").iloc[0]
+    if before:
+        lines.append(("avoided, net, in percent", (_percent(f"{key}/percent", row),)))
+    lines.append(("avoided, net, per run", (_difference(f"{key}/per_run", row),)))
     return headline, lines
 
 
-def _totals(data: Dataset, match: Match, which: str) -> tuple[pd.Series, pd.Series]:
-    values = crashes_by_run(data, which)
-    return values[match.pairs["baseline"]], values[match.pairs["run"]]
+def _runs(key: str, match: Match) -> Quantity:
+    n = len(match.pairs)
+    return Quantity(key=f"{key}/pairs", value=n, unit=f"pair{'' if n == 1 else 's'} of runs, same seed", whole=True)
 
 
-def _percent(key: str, before: pd.Series, after: pd.Series) -> Quantity:
-    return change(f"{key}/percent", paired_interval(before, after, percent=True), "%", turned=True)
+def _crashes_of(match: Match, side: str) -> pd.Series:
+    """Crashes of the runs of one side, `baseline` or `run`, in the order of the pairs."""
+    by_run = match.both.crashes.groupby("run_id").size()
+    return by_run.reindex(match.pairs[side], fill_value=0)
 
 
-def _rows(data: Dataset, match: Match) -> list[list[Cell]]:
+def _rows(match: Match) -> list[list[Cell]]:
     rows: list[list[Cell]] = []
-    for which, name in (("all", "crashes"), ("primary", "primary crashes"), ("serious", "serious injuries expected")):
-        before, after = _totals(data, match, which)
-        key, n = f"{match.group}/{which}/table", len(before)
-        total = (
-            Quantity(key=f"{key}/{side}", value=float(v.sum()), n=n, of="runs" if n > 1 else "run", whole=which != "serious")
-            for side, v in (("without", before), ("with", after))
-        )
-        per_run = change(f"{key}/per_run", paired_interval(before, after), "", turned=True)
-        rows.append([match.group, name, *total, per_run, _percent(key, before, after)])
+    for (_, figure, unit), row in effect(match.both).iterrows():
+        if unit == "1/run":  # the others are the traffic's
+            key = f"{match.group}/effect/{figure}"
+            sides = (Quantity(key=f"{key}/{side}", value=row[side]) for side in ("baseline", "with_aeb"))
+            rows.append(
+                [match.group, str(figure), *sides, _difference(f"{key}/avoided", row), _percent(f"{key}/percent", row)]
+            )
     return rows
 
 
-def _by_seed(data: Dataset, match: Match, k: int) -> Figure:
+def _difference(key: str, row: pd.Series) -> Quantity:
+    return _avoided(key, row["difference"], row["low"], row["high"], row)
+
+
+def _percent(key: str, row: pd.Series) -> Quantity:
+    return _avoided(key, row["percent"], row["percent_low"], row["percent_high"], row, unit="%")
+
+
+def _avoided(key: str, value: float, low: float, high: float, row: pd.Series, unit: str = "") -> Quantity:
+    """A decrease, of a row of `effect`."""
+    n = int(row["seeds"])
+    return Quantity(
+        key=key, value=-value, low=-high, high=-low, n=n, of="seed" if n == 1 else "seeds", unit=unit, note=row["note"]
+    )
+
+
+def _by_seed(match: Match, k: int) -> Figure:
     """Crashes of every seed, without and with."""
-    before, after = (v.to_numpy() for v in _totals(data, match, "all"))
+    before, after = (_crashes_of(match, side).to_numpy() for side in ("baseline", "run"))
     seeds = match.pairs["seed"].to_numpy()
     order = np.lexsort((seeds, -before))
     before, after, seeds = before[order], after[order], seeds[order]
@@ -132,14 +139,12 @@ def _by_seed(data: Dataset, match: Match, k: int) -> Figure:
         f"equal in {len(seeds) - fewer - more}."
     )
     with canvas(1.3 + min(len(seeds), _MANY) * 0.15) as (figure, axes):
-        if not len(seeds):
-            empty(axes, "no pairs of runs")
         axes.hlines(y, before, after, color=FAINT, lw=1)
-        axes.plot(before, y, "o", color=SERIES[0], ms=5, label="without AEB")
-        axes.plot(after, y, "D", color=SERIES[1 + k % (len(SERIES) - 1)], ms=4.5, label="with")
+        axes.plot(before, y, "o", color=SERIES[0], mfc="none", mew=1.4, ms=7.5, label="without AEB")
+        axes.plot(after, y, "o", color=SERIES[1 + k % (len(SERIES) - 1)], ms=4, label="with")
         axes.set(xlabel="crashes in the run", ylabel="seed", ylim=(len(seeds) - 0.4, -0.6))
         axes.set_yticks(y if len(seeds) <= _MANY else [], [str(s) for s in seeds] if len(seeds) <= _MANY else [])
-        axes.set_xlim(left=-0.5)
+        axes.set_xlim(-0.5, max(before.max(), after.max(), 1) + 0.5)
         axes.xaxis.get_major_locator().set_params(integer=True)
         axes.grid(axis="y", visible=False)
         figure.legend(loc="outside upper left", ncols=2)

@@ -49,7 +49,7 @@ def _rate(group: str, rate: pd.Series, part: Dataset) -> list[Cell]:
         count(f"{group}/rate/crashes", rate["crashes"]),
         Quantity(
             key=f"{group}/rate", value=rate["per_million_km"], low=rate["low"], high=high,
-            n=round(rate["vehicle_km"]), of="vehicle-km",
+            n=rate["vehicle_km"], of="vehicle-km",
         ),
         median(f"{group}/impact_speed", speeds, "crashes", "km/h"),
     ]  # fmt: skip

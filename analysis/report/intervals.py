@@ -7,9 +7,8 @@ from statsmodels.stats.proportion import proportion_confint
 
 from analysis.rates import poisson_rate
 from analysis.report.parts import Quantity
-from analysis.statistics import Interval
 
-__all__ = ["change", "median", "per_1000_km", "share"]
+__all__ = ["median", "per_1000_km", "share"]
 
 
 def share(key: str, seen: int, n: int, of: str) -> Quantity:
@@ -24,7 +23,7 @@ def per_1000_km(key: str, seen: int, km: float) -> Quantity:
     """Events per 1,000 km with the exact Poisson interval, which takes the events as independent."""
     rate = poisson_rate(seen, km / 1000)
     high = rate.high if np.isfinite(rate.high) else np.nan
-    return Quantity(key=key, value=rate.rate, low=rate.low, high=high, n=round(km), of="km", unit="per 1,000 km")
+    return Quantity(key=key, value=rate.rate, low=rate.low, high=high, n=km, of="km", unit="per 1 000 km")
 
 
 def median(key: str, values: pd.Series, of: str, unit: str) -> Quantity:
@@ -42,22 +41,3 @@ def median(key: str, values: pd.Series, of: str, unit: str) -> Quantity:
     low, high = (known[below], known[n - 1 - below]) if below >= 0 else (np.nan, np.nan)
     note = "" if below >= 0 else "too few for an interval"
     return Quantity(key=key, value=float(np.median(known)), low=low, high=high, n=n, of=of, unit=unit, note=note)
-
-
-def change(key: str, interval: Interval, unit: str, *, turned: bool = False, signed: bool = True) -> Quantity:
-    """A paired change.
-
-    Args:
-        key: of the quantity.
-        interval: the change.
-        unit: of it.
-        turned: show the decrease instead of the increase.
-        signed: with its sign.
-    """
-    value, low, high = interval.estimate, interval.low, interval.high
-    if turned:
-        value, low, high = -value, -high, -low
-    return Quantity(
-        key=key, value=value, low=low, high=high, n=interval.seeds, of="seed" if interval.seeds == 1 else "seeds",
-        unit=unit, signed=signed, note="" if np.isfinite(low) else f"no interval: {interval.note}",
-    )  # fmt: skip

@@ -79,7 +79,7 @@ def ecdf(
                           label=f"{look[group].short} (n = {v.size})")  # fmt: skip
         if parts:
             axes.set(xlabel=label, ylabel=f"share of {events} [%]", ylim=(0, 102))
-            axes.set_xlim(0, top)
+            axes.set_xlim(0, top or 1.04 * max(float(v[-1]) for v in known.values() if v.size) or 1.0)
             figure.legend(loc="outside upper left", ncols=1 if len(parts) > 2 else 2)
         else:
             empty(axes, f"no {events}")

@@ -10,7 +10,8 @@ __all__ = ["Match", "is_baseline", "matches"]
 
 # A baseline has no AEB: what is said of the AEB is no difference.
 _SAME = (
-    "scenario", "seed", "drivers", "step_length_s", "begin_s", "demand", "ebike_share", "weather", "mu", "blockage_s",
+    "scenario", "seed", "drivers", "step_length_s", "begin_s", "end_s", "demand", "ebike_share", "weather", "mu",
+    "blockage_s",
 )  # fmt: skip
 
 
@@ -21,11 +22,13 @@ class Match:
     Attributes:
         group: its name.
         pairs: one row per seed: `seed`, `baseline` and `run`, the ids of the two runs.
+        both: the tables of these runs.
         left_out: runs of the group that have no completed counterpart of the same time span.
     """
 
     group: str
     pairs: pd.DataFrame
+    both: Dataset
     left_out: tuple[str, ...]
 
 
@@ -44,9 +47,10 @@ def matches(data: Dataset) -> list[Match]:
         if is_baseline(name):
             continue
         own = done[done["group"] == name]
-        pairs = own.merge(base, on=list(_SAME), suffixes=("", "_baseline"))
-        pairs = pairs[(pairs["end_s"] - pairs["end_s_baseline"]).abs() < pairs["step_length_s"]]
-        pairs = pairs.drop_duplicates("run_id").rename(columns={"run_id_baseline": "baseline", "run_id": "run"})
+        pairs = own.merge(base.drop_duplicates(list(_SAME)), on=list(_SAME), suffixes=("", "_baseline"))
+        pairs = pairs.rename(columns={"run_id_baseline": "baseline", "run_id": "run"})
         left = tuple(r for r in part.runs["run_id"] if r not in set(pairs["run"]))
-        result.append(Match(name, pairs[["seed", "baseline", "run"]].sort_values("seed", ignore_index=True), left))
+        pairs = pairs[["seed", "baseline", "run"]].sort_values(["seed", "run"], ignore_index=True)
+        both = data.only(pd.Index([*pairs["baseline"].unique(), *pairs["run"]]))
+        result.append(Match(name, pairs, both, left))
     return result

@@ -8,7 +8,7 @@ import pandas as pd
 from jinja2 import DictLoader, Environment, StrictUndefined
 
 from analysis.load import Dataset
-from analysis.report import answer, crashes, definitions, interventions, places, repeat, traffic, verdicts
+from analysis.report import answer, crash_pairs, crashes, definitions, interventions, places, repeat, traffic, verdicts
 from analysis.report.drawing import SERIES, VERDICTS
 from analysis.report.matching import Match, is_baseline, matches
 from analysis.report.parts import Quantity, Section
@@ -16,6 +16,10 @@ from analysis.report.parts import Quantity, Section
 __all__ = ["render"]
 
 _TEMPLATE = "report.html.j2"
+_MORE_ERRORS = (
+    "The scenarios that come with aeb-sumo have far more driver errors than life has. Their crash rates are those of no real "
+    "road; what can be compared is one system with another, or with none, in the same traffic."
+)
 
 
 def render(data: Dataset, *, networks: Mapping[str, Path] | None = None, title: str = "") -> str:
@@ -28,11 +32,10 @@ def render(data: Dataset, *, networks: Mapping[str, Path] | None = None, title: 
     """
     matched = matches(data)
     groups = data.by_group()
-    extra = [
-        [*verdicts.card_line(m.group, groups[m.group]), *traffic.card_line(data, m)] for m in matched
-    ]  # fmt: skip
+    extra = [[*verdicts.card_line(m.group, groups[m.group]), *traffic.card_line(m)] for m in matched]
     sections = [
-        answer.section(data, matched, extra),
+        answer.section(matched, extra, verdicts.figures(data), data),
+        crash_pairs.section(matched),
         verdicts.section(data),
         traffic.section(data, matched),
         crashes.section(data),
@@ -125,8 +128,6 @@ def _notices(data: Dataset, matched: list[Match]) -> list[str]:
                        "interval.")  # fmt: skip
     if violations := int(runs["override_violations"].sum()):
         notices.append(f"SUMO did not execute {violations} of {int(runs['override_commands'].sum())} commanded speeds exactly.")
-    notices.append(
-        "The scenarios that come with aeb-sumo have far more driver errors than life has. Their crash rates are those of no "
-        "real road; what can be compared is one system with another, or with none, in the same traffic."
-    )
+    if not all(Path(s).suffix for s in runs["scenario"]):
+        notices.append(_MORE_ERRORS)
     return notices

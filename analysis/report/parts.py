@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite, isinf, isnan, nan
+from itertools import groupby
+from math import floor, isfinite, isinf, isnan, log10, nan
 
 __all__ = ["Card", "Cell", "Figure", "Quantity", "Section", "Table", "Text", "count", "number"]
 
@@ -28,7 +29,7 @@ class Quantity:
     value: float
     low: float = nan
     high: float = nan
-    n: int = 0
+    n: float = 0
     of: str = ""
     unit: str = ""
     whole: bool = False
@@ -45,12 +46,14 @@ class Quantity:
         """`95 %: a to b`; empty where there is none."""
         if isnan(self.low) or isnan(self.high):
             return ""
-        return f"95 %: {self._number(self.low)} to {self._number(self.high)}{self._unit}"
+        unit = " %" if self.unit == "%" else ""
+        return f"95 %: {self._number(self.low)} to {self._number(self.high)}{unit}"
 
     @property
     def rests_on(self) -> str:
         """`n = 20 seeds`; empty where that goes without saying."""
-        return f"n = {number(self.n, 0)} {self.of}".rstrip() if self.of else ""
+        decimals = 2 if self.n < 10 and self.n != int(self.n) else 0
+        return f"n = {number(self.n, decimals)} {self.of}" if self.of else ""
 
     @property
     def small(self) -> str:
@@ -66,7 +69,10 @@ class Quantity:
         if self.whole:
             return 0
         largest = max((abs(v) for v in (self.value, self.low, self.high) if isfinite(v)), default=0.0)
-        return 0 if largest >= 1000 else 1 if largest >= 10 else 2
+        if largest >= 1000:
+            return 0
+        # Two digits of what is below 1.
+        return 1 if largest >= 10 else 2 if not 0 < largest < 0.1 else min(1 - floor(log10(largest)), 6)
 
     def _number(self, value: float) -> str:
         return number(value, self._decimals, signed=self.signed)
@@ -134,6 +140,11 @@ class Table:
     rows: Sequence[Sequence[Cell]]
     note: str = ""
     folded: bool = False
+
+    @property
+    def blocks(self) -> list[list[Sequence[Cell]]]:
+        """Rows, those together that have the same name."""
+        return [list(rows) for _, rows in groupby(self.rows, key=lambda row: row[0])]
 
 
 @dataclass(frozen=True, kw_only=True)

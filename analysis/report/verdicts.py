@@ -1,7 +1,5 @@
 """What would have happened without: the verdicts of the interventions."""
 
-from collections.abc import Sequence
-
 import pandas as pd
 
 from analysis.interventions import equipped_km
@@ -11,7 +9,7 @@ from analysis.report.intervals import per_1000_km, share
 from analysis.report.matching import is_baseline
 from analysis.report.parts import Cell, Figure, Section, Table, Text, count, number
 
-__all__ = ["card_line", "section", "verdicts"]
+__all__ = ["card_line", "figures", "section", "verdicts"]
 
 
 def verdicts(data: Dataset) -> pd.Series:
@@ -36,8 +34,14 @@ def card_line(group: str, part: Dataset) -> list[tuple[str, Text]]:
     return lines
 
 
+def figures(data: Dataset) -> list[Figure]:
+    """Bars of the verdicts of every group that has any."""
+    groups = {name: part for name, part in data.by_group().items() if not is_baseline(name)}
+    return [_bars(name, part, k) for k, (name, part) in enumerate(groups.items()) if len(verdicts(part))]
+
+
 def section(data: Dataset) -> Section | None:
-    """Bars and numbers of the verdicts; None without any run with an AEB."""
+    """The numbers of the verdicts; None without any run with an AEB."""
     groups = {name: part for name, part in data.by_group().items() if not is_baseline(name)}
     if not groups:
         return None
@@ -49,7 +53,6 @@ def section(data: Dataset) -> Section | None:
             else "There was no intervention, so there is nothing to judge."
         )
         return Section(id="verdicts", title="Was it needed? Verdicts", text=[(why,)])
-    figures = [_bars(name, part, k) for k, (name, part) in enumerate(groups.items()) if len(verdicts(part))]
     table = Table(
         id="verdict-table", title="Verdicts", head=("group", "verdict", "interventions", "share", "rate"),
         rows=[row for name, part in groups.items() for row in _rows(name, part)],
@@ -58,7 +61,7 @@ def section(data: Dataset) -> Section | None:
         "independent; those of one pile-up are not, so the intervals are somewhat too narrow.",
     )  # fmt: skip
     return Section(
-        id="verdicts", title="Was it needed? Verdicts", figures=figures, tables=[table, *_by_target(groups), *_unknown(data)],
+        id="verdicts", title="Was it needed? Verdicts", tables=[table, *_by_target(groups), *_unknown(data)],
         text=[
             (
                 "At the start of every intervention the simulated world was forked; in the fork this one intervention was "
@@ -128,6 +131,7 @@ def _bars(group: str, part: Dataset, k: int) -> Figure:
                 )  # fmt: skip
         top = max((each.high for each in shares if each.high == each.high), default=1.0)
         axes.set(xlabel=f"share of {len(known)} interventions with a known verdict [%]", xlim=(0, top * 1.35))
+        axes.set_xticks([t for t in axes.get_xticks() if t <= 100])
         axes.set_yticks(range(len(shown)), shown)
         axes.invert_yaxis()
         axes.grid(axis="y", visible=False)
