@@ -7,12 +7,16 @@ analysis.summary(data)            # everything at a glance, one column per group
 
 from analysis.compare import compare, summary
 from analysis.conflicts import conflict_counts, conflict_statistics, near_crash_ratio
-from analysis.crashes import crash_counts, crash_rates
+from analysis.crashes import crash_counts, crash_rate_ratios, crash_rates
+from analysis.effect import effect, figures_by_seed, run_figures
 from analysis.interventions import intervention_counts, intervention_statistics
 from analysis.load import Dataset, load
+from analysis.outcomes import mcnemar_test, pair_counts
+from analysis.pairs import pairs, partners
+from analysis.planning import events_needed, exposure_without_events, planning, seeds_needed
 from analysis.price import delay_per_avoided_crash, traffic_price
-from analysis.rates import poisson_rate
-from analysis.statistics import Interval, paired_interval
+from analysis.rates import poisson_rate, proportion, rate_ratio
+from analysis.statistics import Interval, paired_interval, share_by_seed
 from analysis.throughput import throughput, throughput_impact, throughput_over_time
 
 __all__ = [
@@ -22,14 +26,29 @@ __all__ = [
     "conflict_counts",
     "conflict_statistics",
     "crash_counts",
+    "crash_rate_ratios",
     "crash_rates",
     "delay_per_avoided_crash",
+    "effect",
+    "events_needed",
+    "exposure_without_events",
+    "figures_by_seed",
     "intervention_counts",
     "intervention_statistics",
     "load",
+    "mcnemar_test",
     "near_crash_ratio",
+    "pair_counts",
     "paired_interval",
+    "pairs",
+    "partners",
+    "planning",
     "poisson_rate",
+    "proportion",
+    "rate_ratio",
+    "run_figures",
+    "seeds_needed",
+    "share_by_seed",
     "summary",
     "throughput",
     "throughput_impact",

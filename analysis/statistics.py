@@ -1,14 +1,20 @@
 """Intervals for what two worlds of the same seeds differ in; the seed is the cluster."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.stats import beta
+from scipy.stats import norm as normal
 from scipy.stats import t as student
 
-__all__ = ["Interval", "paired_interval"]
+__all__ = ["Interval", "paired_interval", "share_by_seed"]
 
-FEW_SEEDS = 6  # below, a studentized bootstrap has no finite width often enough (measured: 12 % of the time at 5)
+FEW_SEEDS = 6  # our assumption: below, `note` says so
+LOG_RATIO = "t by seed of the log ratio"
+_RESAMPLED = 4  # fewer seeds are too few to resample
+_CAP = 2.0  # times the t quantile, our assumption: the choice by coverage and width, see `paired_interval`
 _DRAWS = 4999  # our assumption; the bounds then move by 1 to 2 % of the width with another seed of the draws
 
 _Floats = NDArray[np.float64]
@@ -46,9 +52,17 @@ def paired_interval(
 
     With `*_per`, the figure is a rate: the sum of the values by the sum of what they are counted over (for example
     delay by distance). Without, it is the mean per run. The seed is the unit: events within a run may depend on each
-    other as they like. Differences: studentized bootstrap of the seeds (Efron and Tibshirani 1993, chapter 12.5), t
-    interval below 6 seeds. Percent: t interval of the log ratio with the jackknife's standard error. Percentile and
-    BCa bootstraps cover 70 to 84 % with 3 to 5 seeds and 90 % with 10 (measured), so they are not used.
+    other as they like.
+
+    Differences: studentized bootstrap of the seeds (Efron and Tibshirani 1993, chapter 12.5), its quantiles limited to
+    twice those of t; the t interval below 4 seeds. Percent: t interval of the log ratio with the jackknife's standard
+    error. Percentile and BCa bootstraps cover 70 to 84 % with 3 to 5 seeds and 90 % with 10, so they are not used;
+    Fieller's interval of ratios covers 95 to 99 % and is without end for half of the samples of 3 seeds.
+
+    Measured coverage of the 95 % interval: see the tests; in short, 93 to 97 % from 4 seeds on, for figures that vary
+    evenly and for crashes in clusters; with 3, 92 to 97 % for differences and 90 to 96 % for percent. Where rare
+    pile-ups make up most of the crashes it is too narrow: 81 to 86 % with 3 to 5 seeds, 89 to 92 % with 10, 92 to 95 %
+    with 20, as no interval knows of a pile-up that none of its seeds has seen. `note` says where to be careful.
 
     Args:
         baseline: the figure in the baseline, one value per seed (n,).
@@ -90,25 +104,41 @@ def _difference(b: _Floats, wb: _Floats, a: _Floats, wa: _Floats, tail: float) -
         return _unknown(rate - base, n, "one seed has no spread")
     if error <= 1e-12 * np.abs(each).max():
         return _unknown(rate - base, n, "the seeds do not differ")
-    if n < FEW_SEEDS:
-        low, high = student.ppf(1 - tail, n - 1), student.ppf(tail, n - 1)
-        method, note = "t by seed", "few seeds: 91 to 96 % coverage where crashes come in clusters"
+    most = student.ppf(tail, n - 1)
+    if n < _RESAMPLED:
+        low, high, method = -most, most, "t by seed"
     else:
-        low, high = _studentized(each, tail)
-        method, note = "studentized bootstrap by seed", ""
+        # A few resamples of nearly equal seeds would otherwise put a bound anywhere.
+        low, high = np.clip(_studentized(each, tail), [-_CAP * most, 0.0], [0.0, _CAP * most])
+        method = "studentized bootstrap by seed"
     # The bootstrap's upper tail tells how far the estimate may lie above the truth: it gives the lower bound.
     centre = rate - base
     return Interval(
         estimate=float(centre), low=float(centre - high * error), high=float(centre - low * error), seeds=n,
-        method=method, note=note,
+        method=method, note=_caution(b),
     )  # fmt: skip
+
+
+@cache
+def _resamples(n: int) -> _Floats:
+    """Share of every one of n seeds in every resample (draws, n), always the same."""
+    return np.random.default_rng(0).multinomial(n, np.full(n, 1 / n), _DRAWS) / n
+
+
+def _caution(baseline: _Floats) -> str:
+    """What the interval does not know: whether the next seed has a pile-up like none before."""
+    if baseline.size < FEW_SEEDS:
+        return "few seeds: may be too narrow"
+    if (baseline >= 0).all() and baseline.max() > baseline.sum() / 2:
+        return "one seed makes up more than half: may be too narrow"
+    return ""
 
 
 def _studentized(each: _Floats, tail: float) -> tuple[float, float]:
     """Quantiles of (mean* - mean) / error* over resamples of the seeds."""
-    n, mean = each.size, each.mean()
-    share = np.random.default_rng(0).multinomial(n, np.full(n, 1 / n), _DRAWS) / n
-    centred = each - mean
+    n = each.size
+    share = _resamples(n)
+    centred = each - each.mean()
     shift = share @ centred
     spread = np.sqrt(np.maximum(share @ centred**2 - shift**2, 0.0) / (n - 1))
     tiny = 1e-9 * np.abs(centred).max()
@@ -129,7 +159,6 @@ def _percent(b: _Floats, wb: _Floats, a: _Floats, wa: _Floats, tail: float) -> I
         return _unknown(change, n, "one seed has no spread")
     if ratio <= 0:
         return _unknown(change, n, "nothing left of it")
-    method = "t by seed of the log ratio"
     parts = np.stack([a, wb, b, wa])
     without = parts.sum(axis=1, keepdims=True) - parts
     if (without > 0).all():
@@ -141,10 +170,45 @@ def _percent(b: _Floats, wb: _Floats, a: _Floats, wa: _Floats, tail: float) -> I
     if error <= 1e-12:
         return _unknown(change, n, "the seeds do not differ")
     factor = np.exp(student.ppf(tail, n - 1) * error)
-    note = "few seeds: 90 to 96 % coverage where crashes come in clusters" if n < 5 else ""
     return Interval(
         estimate=float(change), low=float(100 * (ratio / factor - 1)), high=float(100 * (ratio * factor - 1)), seeds=n,
-        method=method, note=note,
+        method=LOG_RATIO, note=_caution(b),
+    )  # fmt: skip
+
+
+def share_by_seed(counts: ArrayLike, totals: ArrayLike, *, confidence: float = 0.95) -> Interval:
+    """Share of events of which those of one seed depend on each other, in percent, with its interval.
+
+    Clopper and Pearson's interval of as many independent events as have the variance that the seeds show (Korn and
+    Graubard 1998), with the t quantile of the seeds; no more than there are events, and as many as there are seeds
+    where all events agree, our assumption.
+
+    Args:
+        counts: events of the kind, one value per seed (n,).
+        totals: all events (n,).
+        confidence: of the interval, 0 to 1.
+
+    Returns:
+        The share of the sums; seeds without events do not count. Bounds are NaN with fewer than two seeds.
+    """
+    x, m = np.asarray(counts, dtype=float), np.asarray(totals, dtype=float)
+    x, m = x[m > 0], m[m > 0]
+    n = m.size
+    share = x.sum() / m.sum() if n else np.nan
+    if n < 2:
+        return _unknown(100 * share, n, "one seed has no spread" if n else "no events")
+    tail = (1 + confidence) / 2
+    variance = n / (n - 1) * np.sum((x - share * m) ** 2) / m.sum() ** 2
+    if variance > 1e-12 * share:
+        events = share * (1 - share) / variance * (normal.ppf(tail) / student.ppf(tail, n - 1)) ** 2
+        events = min(events, m.sum())
+    else:
+        events = float(n)
+    low = beta.ppf(1 - tail, share * events, (1 - share) * events + 1) if share > 0 else 0.0
+    high = beta.ppf(tail, share * events + 1, (1 - share) * events) if share < 1 else 1.0
+    return Interval(
+        estimate=float(100 * share), low=float(100 * low), high=float(100 * high), seeds=n,
+        method="Clopper-Pearson of effective events by seed", note=_caution(m),
     )  # fmt: skip
 
 

@@ -43,9 +43,7 @@ def section(
     )  # fmt: skip
 
 
-def _cards(
-    matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]], data: Dataset
-) -> list[Card]:
+def _cards(matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]], data: Dataset) -> list[Card]:
     """One card per group with AEB; without one, what there is."""
     result = []
     for match, more in zip(matched, extra, strict=True):
@@ -53,7 +51,10 @@ def _cards(
             headline, lines = _headline(match)
         else:
             seen = int(data.crashes["run_id"].isin(match.left_out).sum())
-            headline = (count(f"{match.group}/crashes/with", seen), f" {_noun(seen)} with AEB; no baseline to compare with")
+            headline = (
+                count(f"{match.group}/crashes/with", seen),
+                f" {_noun(seen)} with AEB; no baseline to compare with",
+            )
             lines = [("runs", (count(f"{match.group}/runs", len(match.left_out)),))]
         result.append(Card(title=match.group, headline=headline, lines=[*lines, *more]))
     if not matched:

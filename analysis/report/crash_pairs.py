@@ -37,7 +37,9 @@ def _rows(match: Match) -> list[list[Cell]]:
     rows: list[list[Cell]] = []
     for (_, outcome), row in pair_counts(match.both).iterrows():
         key = f"{match.group}/pairs/{outcome}"
-        how: list[Cell] = [count(f"{key}/{h}", row[h]) if outcome == "avoided" else "–" for h in ("intervened", "diverged")]
+        how: list[Cell] = [
+            count(f"{key}/{h}", row[h]) if outcome == "avoided" else "–" for h in ("intervened", "diverged")
+        ]
         rows.append(
             [match.group, str(outcome), count(f"{key}/count", row["count"]), count(f"{key}/primary", row["primary"])]
             + [*how, _share(f"{key}/percent", row)]

@@ -89,8 +89,4 @@ def _kinds(counts: pd.DataFrame, groups: dict[str, Dataset]) -> Figure:
 
 def _speeds(groups: dict[str, Dataset]) -> Figure:
     values = {g: _KMH * part.crashes["impact_speed_mps"].to_numpy(float) for g, part in groups.items()}
-    return ecdf(
-        "impact-speeds", "Impact speeds", values, looks(groups), label="impact speed [km/h]", events="crashes"
-    )
-
-
+    return ecdf("impact-speeds", "Impact speeds", values, looks(groups), label="impact speed [km/h]", events="crashes")

@@ -84,5 +84,7 @@ def ecdf(
         else:
             empty(axes, f"no {events}")
         drawn = svg(figure, name, alt)
-    note = f"Share of {events} at or below a value." + (f" {left_out} without a finite value left out." if left_out else "")
+    note = f"Share of {events} at or below a value." + (
+        f" {left_out} without a finite value left out." if left_out else ""
+    )
     return Figure(id=name, title=title, svg=drawn, alt=alt, note=note)

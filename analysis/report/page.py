@@ -127,7 +127,9 @@ def _notices(data: Dataset, matched: list[Match]) -> list[str]:
         notices.append("One seed: how much the numbers would move with another one is unknown, so comparisons have no "
                        "interval.")  # fmt: skip
     if violations := int(runs["override_violations"].sum()):
-        notices.append(f"SUMO did not execute {violations} of {int(runs['override_commands'].sum())} commanded speeds exactly.")
+        notices.append(
+            f"SUMO did not execute {violations} of {int(runs['override_commands'].sum())} commanded speeds exactly."
+        )
     if not all(Path(s).suffix for s in runs["scenario"]):
         notices.append(_MORE_ERRORS)
     return notices

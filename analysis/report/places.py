@@ -50,7 +50,9 @@ def section(data: Dataset, networks: Mapping[str, Path]) -> Section:
     return Section(id="places", title="Where it happened", figures=figures, text=text)
 
 
-def _maps(name: str, scenario: str, group: str, part: Dataset, everything: Dataset, roads: Lines | None) -> list[Figure]:
+def _maps(
+    name: str, scenario: str, group: str, part: Dataset, everything: Dataset, roads: Lines | None
+) -> list[Figure]:
     # All groups of one scenario share their views, so that the maps can be laid beside each other.
     events = pd.concat([everything.crashes[["x_m", "y_m"]], everything.interventions[["x_m", "y_m"]]]).dropna()
     points = events.to_numpy(float)

@@ -60,7 +60,10 @@ def _rows(match: Match) -> list[list[Cell]]:
     for (_, figure, unit), row in _price(match).iterrows():
         key = f"{match.group}/traffic/{str(figure).strip()}"
         name = f"of it {figure.strip()}" if figure.startswith(" ") else str(figure)
-        sides = (Quantity(key=f"{key}/{side}", value=row[side], unit=_UNITS.get(str(unit), str(unit))) for side in ("baseline", "with_aeb"))
+        sides = (
+            Quantity(key=f"{key}/{side}", value=row[side], unit=_UNITS.get(str(unit), str(unit)))
+            for side in ("baseline", "with_aeb")
+        )
         rows.append([match.group, name, *sides, _change(f"{key}/change", row, str(unit))])
     return rows
 
@@ -80,9 +83,7 @@ def _over_time(data: Dataset) -> list[Figure]:
     return [_course(name, title, label, unit, data, table) for name, title, label, unit in _TIME]
 
 
-def _course(
-    column: str, title: str, label: str, unit: str, data: Dataset, table: pd.DataFrame | None
-) -> Figure:
+def _course(column: str, title: str, label: str, unit: str, data: Dataset, table: pd.DataFrame | None) -> Figure:
     name, look, said = f"over-time-{column.split('_')[0]}", looks(data.by_group()), []
     with canvas(2.8) as (figure, axes):
         groups = [] if table is None else list(dict.fromkeys(table.index.get_level_values("group")))
@@ -101,7 +102,9 @@ def _course(
         else:
             empty(axes, "no traffic")
         drawn = svg(figure, name, alt)
-    note = "Mean over the runs of a group, by interval; shaded: 95 % of that mean (t, by seed), where there are several."
+    note = (
+        "Mean over the runs of a group, by interval; shaded: 95 % of that mean (t, by seed), where there are several."
+    )
     return Figure(id=name, title=title, svg=drawn, alt=alt, note=note)
 
 

@@ -137,7 +137,9 @@ def _bars(group: str, part: Dataset, k: int) -> Figure:
         axes.grid(axis="y", visible=False)
         drawn = svg(figure, name, alt)
     return Figure(
-        id=name, title=f"Verdicts: {group}", svg=drawn, alt=alt, note="Bars with their number; thin lines: 95 % (Wilson)."
+        id=name,
+        title=f"Verdicts: {group}",
+        svg=drawn,
+        alt=alt,
+        note="Bars with their number; thin lines: 95 % (Wilson).",
     )
-
-
