@@ -1,52 +1,60 @@
 """The answer first: crashes with every system against the same traffic without, seed by seed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
+from matplotlib.ticker import MaxNLocator
 
 from analysis.effect import effect
 from analysis.load import Dataset
+from analysis.planning import planning
 from analysis.report.drawing import FAINT, SERIES, canvas, svg
+from analysis.report.intervals import of_row, records
 from analysis.report.matching import Match
 from analysis.report.parts import Card, Cell, Figure, Quantity, Section, Table, Text, count
 
 __all__ = ["section"]
 
+Lines = Sequence[tuple[str, Text]]
 _MANY = 40  # seeds in a drawing that can still be told apart
 
 
 def section(
-    matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]], figures: Sequence[Figure], data: Dataset
+    matched: Sequence[Match], extra: Mapping[str, Lines], figures: Mapping[str, Figure], data: Dataset
 ) -> Section:
     """Cards, a drawing seed by seed, and the numbers behind them.
 
     Args:
         matched: groups with AEB and what they are compared with.
         extra: lines for the card of each group.
-        figures: to stand beside the first ones.
+        figures: a drawing to stand beside that of each group.
         data: all runs.
     """
     compared = [m for m in matched if len(m.pairs)]
     rows = [row for match in compared for row in _rows(match)]
+    drawn = []
+    for k, match in enumerate(matched):
+        drawn += [_by_seed(match, k)] if len(match.pairs) else []
+        drawn += [figures[match.group]] if match.group in figures else []
     table = Table(
         id="answer-table", title="Crashes with AEB against without, same seeds", rows=rows,
         head=("group", "measure", "per run without", "per run with", "avoided per run", "avoided, percent"),
-        note="Avoided: without less with, so new crashes count against it; a negative number is an increase. The seed is the "
-        "unit of all intervals: studentized bootstrap of the seeds from six on, t below; percent by the log ratio. "
-        "Primary: neither vehicle had crashed before. Injuries and deaths expected: sums of the risks of the persons for "
-        "whom there is a curve, so lower bounds.",
+        note="Avoided: without less with, so new crashes count against it; a negative number is an increase. The seed "
+        "is the unit of all intervals: studentized bootstrap of the seeds from six on, t below; percent by the log "
+        "ratio. Primary: neither vehicle had crashed before. Injuries and deaths expected: sums of the risks of the "
+        "persons for whom there is a curve, so lower bounds.",
     )  # fmt: skip
     return Section(
         id="answer", title="The answer", cards=_cards(matched, extra, data),
-        figures=[*(_by_seed(match, k) for k, match in enumerate(compared)), *figures], tables=[table] if rows else [],
+        figures=drawn, tables=[table] if rows else [],
     )  # fmt: skip
 
 
-def _cards(matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]], data: Dataset) -> list[Card]:
+def _cards(matched: Sequence[Match], extra: Mapping[str, Lines], data: Dataset) -> list[Card]:
     """One card per group with AEB; without one, what there is."""
     result = []
-    for match, more in zip(matched, extra, strict=True):
+    for match in matched:
         if len(match.pairs):
             headline, lines = _headline(match)
         else:
@@ -56,7 +64,7 @@ def _cards(matched: Sequence[Match], extra: Sequence[Sequence[tuple[str, Text]]]
                 f" {_noun(seen)} with AEB; no baseline to compare with",
             )
             lines = [("runs", (count(f"{match.group}/runs", len(match.left_out)),))]
-        result.append(Card(title=match.group, headline=headline, lines=[*lines, *more]))
+        result.append(Card(title=match.group, headline=headline, lines=[*lines, *extra[match.group]]))
     if not matched:
         seen = len(data.crashes)
         headline = (count("none/crashes/without", seen), f" {_noun(seen)} without AEB")
@@ -81,11 +89,20 @@ def _headline(match: Match) -> tuple[Text, list[tuple[str, Text]]]:
         headline: Text = (count(f"{key}/net", net), " of ", without, f" {_noun(before)} avoided, net")
     else:
         headline = (count(f"{key}/more", -net), f" {_noun(-net)} more than the ", without, " without AEB")
-    row = effect(match.both).xs("crashes", level="figure").iloc[0]
+    row = next(row for row in records(effect(match.both)) if row["figure"] == "crashes")
     if before:
-        lines.append(("avoided, net, in percent", (_percent(f"{key}/percent", row),)))
-    lines.append(("avoided, net, per run", (_difference(f"{key}/per_run", row),)))
-    return headline, lines
+        lines.append(("avoided, net, in percent", (of_row(f"{key}/percent", row, "percent", unit="%", avoided=True),)))
+    lines.append(("avoided, net, per run", (of_row(f"{key}/per_run", row, avoided=True),)))
+    return headline, [*lines, *_still_needed(key, match)]
+
+
+def _still_needed(key: str, match: Match) -> Lines:
+    """Seeds until the percentage is known to 10 points."""
+    row = next(row for row in records(planning(match.both)) if row["figure"] == "reduction of crashes")
+    if np.isnan(row["seeds_missing"]):
+        return []
+    needed = Quantity(key=f"{key}/seeds_needed", value=row["seeds_needed"], whole=True)
+    return [(f"seeds for an interval of ±{row['wanted']:g} percentage points", ("about ", needed))]
 
 
 def _runs(key: str, match: Match) -> Quantity:
@@ -101,30 +118,14 @@ def _crashes_of(match: Match, side: str) -> pd.Series:
 
 def _rows(match: Match) -> list[list[Cell]]:
     rows: list[list[Cell]] = []
-    for (_, figure, unit), row in effect(match.both).iterrows():
-        if unit == "1/run":  # the others are the traffic's
-            key = f"{match.group}/effect/{figure}"
-            sides = (Quantity(key=f"{key}/{side}", value=row[side]) for side in ("baseline", "with_aeb"))
-            rows.append(
-                [match.group, str(figure), *sides, _difference(f"{key}/avoided", row), _percent(f"{key}/percent", row)]
-            )
+    for row in records(effect(match.both)):
+        if row["unit"] == "1/run":  # the others are the traffic's
+            key = f"{match.group}/effect/{row['figure']}"
+            sides = [Quantity(key=f"{key}/{side}", value=row[side]) for side in ("baseline", "with_aeb")]
+            changes = [of_row(f"{key}/avoided", row, avoided=True)]
+            changes += [of_row(f"{key}/percent", row, "percent", unit="%", avoided=True)]
+            rows.append([match.group, row["figure"], *sides, *changes])
     return rows
-
-
-def _difference(key: str, row: pd.Series) -> Quantity:
-    return _avoided(key, row["difference"], row["low"], row["high"], row)
-
-
-def _percent(key: str, row: pd.Series) -> Quantity:
-    return _avoided(key, row["percent"], row["percent_low"], row["percent_high"], row, unit="%")
-
-
-def _avoided(key: str, value: float, low: float, high: float, row: pd.Series, unit: str = "") -> Quantity:
-    """A decrease, of a row of `effect`."""
-    n = int(row["seeds"])
-    return Quantity(
-        key=key, value=-value, low=-high, high=-low, n=n, of="seed" if n == 1 else "seeds", unit=unit, note=row["note"]
-    )
 
 
 def _by_seed(match: Match, k: int) -> Figure:
@@ -146,7 +147,7 @@ def _by_seed(match: Match, k: int) -> Figure:
         axes.set(xlabel="crashes in the run", ylabel="seed", ylim=(len(seeds) - 0.4, -0.6))
         axes.set_yticks(y if len(seeds) <= _MANY else [], [str(s) for s in seeds] if len(seeds) <= _MANY else [])
         axes.set_xlim(-0.5, max(before.max(), after.max(), 1) + 0.5)
-        axes.xaxis.get_major_locator().set_params(integer=True)
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.grid(axis="y", visible=False)
         figure.legend(loc="outside upper left", ncols=2)
         drawn = svg(figure, name, alt)

@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 
-import pandas as pd
-
 from analysis.outcomes import pair_counts
+from analysis.report.intervals import of_row, records
 from analysis.report.matching import Match
-from analysis.report.parts import Cell, Quantity, Section, Table, count
+from analysis.report.parts import Cell, Section, Table, count
 
 __all__ = ["section"]
 
@@ -21,35 +20,30 @@ def section(matched: Sequence[Match]) -> Section | None:
         return Section(id="pairs", title=title, text=[("There was no crash in the runs that are compared.",)])
     table = Table(
         id="pair-table", title="What became of the crashes without AEB", rows=[r for m in compared for r in _rows(m)],
-        head=("group", "outcome with AEB", "crashes", "of these primary", "an AEB acted", "no AEB acted", "of the crashes without"),
-        note="Primary: neither vehicle had crashed before. An AEB acted: that of one of the two on the other, from 15 s before "
-        "to 5 s after the crash without; else the traffic had become another one and the two did not meet like that. New "
-        "crashes are counted beside those without, so they may be above 100 %. Intervals: the seed is the cluster.",
+        head=(
+            "group", "outcome with AEB", "crashes", "of these primary", "an AEB acted", "no AEB acted",
+            "of the crashes without",
+        ),
+        note="Primary: neither vehicle had crashed before. An AEB acted: that of one of the two on the other, from 15 "
+        "s before to 5 s after the crash without; else the traffic had become another one and the two did not meet "
+        "like that. New crashes are counted beside those without, so they may be above 100 %. Intervals: the seed is "
+        "the cluster.",
     )  # fmt: skip
     text = (
-        "Every crash without AEB is looked up in the run with it: the same two vehicles, same seed. Harder or less hard: by "
-        "the risk of serious injury where there is a curve for it, else by impact speed; less than 1 km/h is no change.",
+        "Every crash without AEB is looked up in the run with it: the same two vehicles, same seed. Harder or less "
+        "hard: by the risk of serious injury where there is a curve for it, else by impact speed; less than 1 km/h is "
+        "no change.",
     )
     return Section(id="pairs", title=title, text=[text], tables=[table])
 
 
 def _rows(match: Match) -> list[list[Cell]]:
     rows: list[list[Cell]] = []
-    for (_, outcome), row in pair_counts(match.both).iterrows():
-        key = f"{match.group}/pairs/{outcome}"
-        how: list[Cell] = [
-            count(f"{key}/{h}", row[h]) if outcome == "avoided" else "–" for h in ("intervened", "diverged")
-        ]
-        rows.append(
-            [match.group, str(outcome), count(f"{key}/count", row["count"]), count(f"{key}/primary", row["primary"])]
-            + [*how, _share(f"{key}/percent", row)]
-        )
+    for row in records(pair_counts(match.both)):
+        key = f"{match.group}/pairs/{row['outcome']}"
+        counts = [count(f"{key}/{name}", row[name]) for name in ("count", "primary")]
+        how: list[Cell] = ["–", "–"]
+        if row["outcome"] == "avoided":
+            how = [count(f"{key}/{name}", row[name]) for name in ("intervened", "diverged")]
+        rows.append([match.group, row["outcome"], *counts, *how, of_row(f"{key}/percent", row, "percent", unit="%")])
     return rows
-
-
-def _share(key: str, row: pd.Series) -> Quantity:
-    n = int(row["seeds"])
-    return Quantity(
-        key=key, value=row["percent"], low=row["low"], high=row["high"], n=n, of="seed" if n == 1 else "seeds", unit="%",
-        note=row["note"],
-    )  # fmt: skip

@@ -1,12 +1,16 @@
 """What kinds of crashes there were, and how hard."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pandas as pd
+from matplotlib.ticker import MaxNLocator
 
 from analysis.crashes import crash_counts, crash_rates
 from analysis.load import Dataset
 from analysis.report.drawing import canvas, empty, svg
-from analysis.report.intervals import median
+from analysis.report.intervals import median, records
 from analysis.report.looks import ecdf, looks
 from analysis.report.parts import Cell, Figure, Quantity, Section, Table, count
 
@@ -22,18 +26,17 @@ def section(data: Dataset) -> Section:
     kinds = [k for k in worst.index if k != "total"]
     rows: list[list[Cell]] = []
     for kind in [*kinds, "total"]:
-        rows.append([kind.replace("_", " "), *(count(f"{g}/crashes/{kind}", worst.loc[kind, g]) for g in groups)])
-    rows.append(
-        ["of these secondary"]
-        + [count(f"{g}/crashes/secondary", part.crashes["secondary"].astype(bool).sum()) for g, part in groups.items()]
-    )
-    rates = crash_rates(data)
+        counts = [count(f"{g}/crashes/{kind}", worst.loc[kind, g]) for g in groups]
+        rows.append([kind.replace("_", " "), *counts])
+    again = {g: part.crashes["secondary"].astype(bool).sum() for g, part in groups.items()}
+    rows.append(["of these secondary", *(count(f"{g}/crashes/secondary", n) for g, n in again.items())])
+    rates = {row["group"]: row for row in records(crash_rates(data))}
     rates_table = Table(
         id="crash-rates", title="Crash rate and impact speed",
         head=("group", "crashes", "crash rate", "median impact speed"),
-        rows=[_rate(g, rates.loc[g], part) for g, part in groups.items()],
-        note="Rate per million vehicle-km of all vehicles, exact Poisson interval, which takes crashes as independent: with "
-        "many secondary crashes it is too narrow. Median with the interval between order statistics.",
+        rows=[_rate(g, rates[g], part) for g, part in groups.items()],
+        note="Rate per million vehicle-km of all vehicles, exact Poisson interval, which takes crashes as independent: "
+        "with many secondary crashes it is too narrow. Median with the interval between order statistics.",
     )  # fmt: skip
     return Section(
         id="crashes", title="Crashes", figures=[_kinds(worst.loc[kinds], groups), _speeds(groups)],
@@ -41,7 +44,7 @@ def section(data: Dataset) -> Section:
     )  # fmt: skip
 
 
-def _rate(group: str, rate: pd.Series, part: Dataset) -> list[Cell]:
+def _rate(group: str, rate: Mapping[str, Any], part: Dataset) -> list[Cell]:
     high = rate["high"] if np.isfinite(rate["high"]) else np.nan
     speeds = pd.Series(_KMH * part.crashes["impact_speed_mps"].to_numpy(float))
     return [
@@ -78,7 +81,7 @@ def _kinds(counts: pd.DataFrame, groups: dict[str, Dataset]) -> Figure:
             axes.grid(axis="y", visible=False)
             axes.margins(x=0.12)
             axes.set(xlabel="crashes in all runs of the group")
-            axes.xaxis.get_major_locator().set_params(integer=True)
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
             figure.legend(loc="outside upper left", ncols=2)
         else:
             empty(axes, "no crashes")

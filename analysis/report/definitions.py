@@ -1,49 +1,51 @@
 """The definitions that the numbers rest on."""
 
-from analysis.load import Dataset
 from analysis.report.parts import Section
-from analysis.report.verdicts import verdicts
 
 __all__ = ["section"]
 
 _ALWAYS = (
-    ("crash", "The oriented boxes of two vehicles touch while they approach each other, on lanes that have to do with each "
-     "other; swept through the step, so instant and speeds are interpolated. One crash per pair of vehicles, at first "
-     "contact."),
+    ("crash", "The oriented boxes of two vehicles touch while they approach each other, on lanes that have to do with "
+     "each other; swept through the step, so instant and speeds are interpolated. One crash per pair of vehicles, at "
+     "first contact."),
     ("secondary crash", "One of the two vehicles had crashed before. All others are primary."),
     ("impact speed", "Magnitude of the relative velocity of the two vehicles at contact."),
-    ("serious injuries expected", "Sum of the risks that a person is injured seriously (MAIS3+) or dies, by published curves; "
-     "there are curves only for persons whom the front of a passenger car hit, so the sum is a lower bound."),
-    ("intervention", "From an AEB's first warning or braking until it has been doing neither for 1 s. Its phase is the highest "
-     "one reached: warning alone, partial or full braking."),
-    ("TTC", "Time to collision: gap by closing speed; bumper to bumper for a lead, for crossing traffic along the own path to "
-     "where the paths cross. Infinite when the gap is not closing."),
+    ("serious injuries expected", "Sum of the risks that a person is injured seriously (MAIS3+) or dies, by published "
+     "curves; there are curves only for persons whom the front of a passenger car hit, so the sum is a lower bound."),
+    ("intervention", "From an AEB's first warning or braking until it has been doing neither for 1 s. Its phase is the "
+     "highest one reached: warning alone, partial or full braking."),
+    ("TTC", "Time to collision: gap by closing speed; bumper to bumper for a lead, for crossing traffic along the own "
+     "path to where the paths cross. Infinite when the gap is not closing."),
     ("speed reduction", "Own speed at the first braking less the lowest speed after it."),
-    ("avoided, net", "Crashes without AEB less crashes with it, in runs of the same seed, settings and time span. New crashes "
-     "count against it. Drivers draw the same random numbers in both, but once traffic differs it may meet other "
-     "situations: that is why the seed is the unit of the intervals."),
+    ("avoided, net", "Crashes without AEB less crashes with it, in runs of the same seed, settings and time span. New "
+     "crashes count against it. Drivers draw the same random numbers in both, but once traffic differs it may meet "
+     "other situations: that is why the seed is the unit of the intervals."),
     ("delay", "Time lost against driving at the allowed speed, sampled once per second."),
-    ("95 % interval", "Of estimates made this way from as many seeds, 95 % of the intervals contain what endless runs of this "
-     "simulation would give. It says nothing of how near the simulation is to the road."),
+    ("95 % interval", "Of estimates made this way from as many seeds, 95 % of the intervals contain what endless runs "
+     "of this simulation would give. It says nothing of how near the simulation is to the road."),
 )  # fmt: skip
 _VERDICTS = (
-    ("verdict", "At the start of an intervention the simulated world is forked. In the fork this one intervention is "
-     "suppressed and the world runs on for a horizon, all else being equal, drivers' reactions included. The verdict "
-     "compares what happened with what happened there."),
+    ("verdict", "When an intervention first acts on the world, the simulated world is forked. In the fork this one "
+     "intervention is suppressed and the world runs on for a while, all else being equal, drivers' reactions included. "
+     "The verdict compares what happened to the vehicle and those behind it with what happened there."),
     ("avoided", "A crash in the fork, none as it was."),
     ("mitigated", "A crash in both, with a lower impact speed or injury risk as it was."),
-    ("precautionary", "No crash in either, but a near-crash in the fork."),
+    ("precautionary", "No crash in either, but in the fork a near-crash, or a crossing within a second (PET below 1 "
+    "s)."),
     ("unchanged", "A crash in both, no less severe as it was."),
     ("unneeded", "Neither crash nor near-crash in the fork."),
     ("worsened", "A crash in both, a harder one as it was."),
     ("induced", "A crash as it was, none in the fork: the brake caused it, for instance from behind."),
     ("unknown", "The fork could not be made or did not come to an end; the reason is in column verdict_reason."),
-    ("near-crash", "No contact, but braking above 0.5 g at a TTC below 4 s; on a road of friction below 0.56, above 90 % of "
-     "what it gives."),
+    ("near-crash", "No contact, but braking above 0.5 g at a TTC below 4 s; on a road of friction below 0.56, above "
+     "90 % of what it gives."),
 )  # fmt: skip
 
 
-def section(data: Dataset) -> Section:
-    """Terms with their definitions; those of verdicts only where there are any."""
-    terms = (*_ALWAYS, *_VERDICTS) if len(verdicts(data)) else _ALWAYS
-    return Section(id="definitions", title="Definitions", terms=terms)
+def section(*, verdicts: bool) -> Section:
+    """Terms with their definitions.
+
+    Args:
+        verdicts: also those of verdicts.
+    """
+    return Section(id="definitions", title="Definitions", terms=(*_ALWAYS, *_VERDICTS) if verdicts else _ALWAYS)

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from html import escape
 from threading import Lock
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -41,7 +42,7 @@ _VARIABLES = {
     **{colour: f"verdict-{verdict}" for verdict, colour in VERDICTS.items()},
 }
 _WIDTH = 4.3  # inches; a phone shows this about as large as it is
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "font.size": 9,
     "axes.edgecolor": FAINT,

@@ -39,8 +39,8 @@ def section(data: Dataset) -> Section | None:
         id="intervention-table", title="Interventions by highest phase",
         head=("group", "phase", "interventions", "rate", "median TTC at the first braking", "median speed reduction"),
         rows=[row for g, part in groups.items() for row in _rows(g, part)],
-        note="Rate over the distance of the equipped vehicles, exact Poisson interval; medians with the interval between "
-        "order statistics, of finite values alone: TTC is infinite where the gap is not closing.",
+        note="Rate over the distance of the equipped vehicles, exact Poisson interval; medians with the interval "
+        "between order statistics, of finite values alone: TTC is infinite where the gap is not closing.",
     )  # fmt: skip
     return Section(id="interventions", title="Interventions", figures=[figure, reduction], tables=[table])
 

@@ -62,7 +62,7 @@ def ecdf(
         top: end of the axis; None for the largest value.
     """
     known = {g: np.sort(v[np.isfinite(v)]) for g, v in values.items()}
-    quantity = label.split(" [")[0]
+    quantity = label.partition(" [")[0]
     parts, left_out = [], 0
     for group, v in known.items():
         if v.size:

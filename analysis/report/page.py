@@ -17,8 +17,8 @@ __all__ = ["render"]
 
 _TEMPLATE = "report.html.j2"
 _MORE_ERRORS = (
-    "The scenarios that come with aeb-sumo have far more driver errors than life has. Their crash rates are those of no real "
-    "road; what can be compared is one system with another, or with none, in the same traffic."
+    "The scenarios that come with aeb-sumo have far more driver errors than life has. Their crash rates are those of "
+    "no real road; what can be compared is one system with another, or with none, in the same traffic."
 )
 
 
@@ -30,18 +30,17 @@ def render(data: Dataset, *, networks: Mapping[str, Path] | None = None, title: 
         networks: scenario, as in `runs`, -> its .net.xml, for the maps.
         title: of the page; empty for one made of the scenarios and systems.
     """
-    matched = matches(data)
-    groups = data.by_group()
-    extra = [[*verdicts.card_line(m.group, groups[m.group]), *traffic.card_line(m)] for m in matched]
+    matched, judged = matches(data), verdicts.judged(data)
+    extra = {m.group: [*verdicts.card_lines(m.group, judged[m.group]), *traffic.card_lines(m)] for m in matched}
     sections = [
-        answer.section(matched, extra, verdicts.figures(data), data),
+        answer.section(matched, extra, verdicts.figures(judged), data),
         crash_pairs.section(matched),
-        verdicts.section(data),
+        verdicts.section(judged),
         traffic.section(data, matched),
         crashes.section(data),
         interventions.section(data),
         places.section(data, networks or {}),
-        definitions.section(data),
+        definitions.section(verdicts=any(len(some.all) for some in judged.values())),
         repeat.section(data),
     ]
     folder = files(__package__)
@@ -113,16 +112,16 @@ def _notices(data: Dataset, matched: list[Match]) -> list[str]:
             reasons = "; ".join(sorted(set(some["reason"]) - {""}))
             notices.append(
                 f"{len(some)} of {len(runs)} runs {'was' if len(some) == 1 else 'were'} {what}"
-                f"{f' ({reasons})' if reasons else ''}: what was simulated until then counts in tables and figures, but not "
-                "in comparisons with the baseline."
+                f"{f' ({reasons})' if reasons else ''}: what was simulated until then counts in tables and figures, "
+                "but not in comparisons with the baseline."
             )
     for match in matched:
         if not len(match.pairs):
             notices.append(f"{match.group}: no completed baseline run of the same seed, settings and time span, so "
                            "nothing can be said of what it changed.")  # fmt: skip
         elif match.left_out:
-            notices.append(f"{match.group}: {len(match.left_out)} of its runs without a completed counterpart are left out "
-                           "of comparisons.")  # fmt: skip
+            notices.append(f"{match.group}: {len(match.left_out)} of its runs without a completed counterpart are left "
+                           "out of comparisons.")  # fmt: skip
     if matched and max(len(m.pairs) for m in matched) == 1:
         notices.append("One seed: how much the numbers would move with another one is unknown, so comparisons have no "
                        "interval.")  # fmt: skip

@@ -45,7 +45,8 @@ def section(data: Dataset, networks: Mapping[str, Path]) -> Section:
     text = []
     if missing:
         text = [(
-            f"The network of {', '.join(missing)} is not where it was when the runs were made, so the points stand alone.",
+            f"The network of {', '.join(missing)} is not where it was when the runs were made, so the points stand "
+            "alone.",
         )]  # fmt: skip
     return Section(id="places", title="Where it happened", figures=figures, text=text)
 

@@ -4,7 +4,8 @@ import pandas as pd
 
 from aeb_sumo.results.command import arguments, shell
 from analysis.load import Dataset
-from analysis.report.parts import Cell, Section, Table, count
+from analysis.report.intervals import records
+from analysis.report.parts import Cell, Quantity, Section, Table, count
 
 __all__ = ["section"]
 
@@ -13,14 +14,14 @@ _INTERVAL = 60.0  # s, the command's own default
 
 def section(data: Dataset) -> Section:
     """Command lines by group of runs, versions, and every run with its books."""
-    code = []
+    code: list[tuple[str, str]] = []
     for name, part in data.by_group().items():
         lines: dict[tuple[str, ...], list[int]] = {}
-        for run in part.runs.sort_values(["seed", "run_id"]).to_dict("records"):
+        for run in part.runs.sort_values(["seed", "run_id"]).pipe(records):
             words = [*arguments(run, seed=False), *_interval(part.traffic, run)]
             lines.setdefault(tuple(words), []).append(int(run["seed"]))
-        for words, seeds in lines.items():
-            code.append((f"{name}: {_seeds(seeds)}", _line(list(words), seeds, f"again/{len(code) + 1}")))
+        for line, seeds in lines.items():
+            code += [(f"{name}: {_seeds(seeds)}", _line(list(line), seeds, f"again/{len(code) + 1}"))]
     versions = data.runs[["aeb_sumo_version", "sumo_version"]].drop_duplicates()
     made = "; ".join(f"aeb-sumo {a}, {s}" for a, s in versions.itertuples(index=False))
     text = (
@@ -51,13 +52,12 @@ def _line(words: list[str], seeds: list[int], folder: str) -> str:
 
 
 def _runs(data: Dataset) -> Table:
-    head = ("run", "outcome", "seed", "simulated [s]", "vehicles", "equipped", "crashes", "override violations")
+    head = ("run", "outcome", "seed", "simulated", "vehicles", "equipped", "crashes", "override violations")
     rows: list[list[Cell]] = []
-    for run in data.runs.sort_values("run_id").to_dict("records"):
+    for run in records(data.runs.sort_values("run_id")):
         key = f"run/{run['run_id']}"
         outcome = f"{run['outcome']}: {run['reason']}" if run["reason"] else str(run["outcome"])
-        rows.append(
-            [str(run["run_id"]), outcome, str(int(run["seed"])), count(f"{key}/span", run["end_s"] - run["begin_s"])]
-            + [count(f"{key}/{c}", run[c]) for c in ("vehicles", "equipped", "crashes", "override_violations")]
-        )
+        books = [count(f"{key}/{c}", run[c]) for c in ("vehicles", "equipped", "crashes", "override_violations")]
+        span = Quantity(key=f"{key}/span", value=run["end_s"] - run["begin_s"], unit="s")
+        rows.append([run["run_id"], outcome, str(int(run["seed"])), span, *books])
     return Table(id="runs", title=f"All {len(rows)} runs", head=head, rows=rows, folded=True)

@@ -1,6 +1,7 @@
 """What the traffic paid, and what got through over time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -9,12 +10,13 @@ from matplotlib.axes import Axes
 from analysis.load import Dataset
 from analysis.price import traffic_price
 from analysis.report.drawing import canvas, empty, svg
+from analysis.report.intervals import of_row, records
 from analysis.report.looks import Look, looks
 from analysis.report.matching import Match
 from analysis.report.parts import Cell, Figure, Quantity, Section, Table, Text, number
 from analysis.throughput import throughput_over_time
 
-__all__ = ["card_line", "section"]
+__all__ = ["card_lines", "section"]
 
 _CARD = (("delay on the road", "price: delay on the road"), ("flow", "flow"))
 _UNITS = {"1/h": "per h", "1/km": "per km"}
@@ -24,13 +26,13 @@ _TIME = (
 )
 
 
-def card_line(match: Match) -> list[tuple[str, Text]]:
+def card_lines(match: Match) -> list[tuple[str, Text]]:
     """The price, for the answer's card."""
     if not len(match.pairs):
         return []
-    table = _price(match).reset_index(["group", "unit"])
+    price = {row["figure"]: row for row in _price(match)}
     return [
-        (label, (_change(f"{match.group}/card/{figure}", table.loc[figure], str(table.loc[figure, "unit"])),))
+        (label, (of_row(f"{match.group}/card/{figure}", price[figure], unit=price[figure]["unit"]),))
         for figure, label in _CARD
     ]
 
@@ -41,54 +43,48 @@ def section(data: Dataset, matched: Sequence[Match]) -> Section:
     table = Table(
         id="price-table", title="Traffic with AEB against without, same seeds", rows=rows,
         head=("group", "figure", "without", "with", "change"),
-        note="All vehicles; rates over all runs together, the other figures per run. Crashes block the road, so what an AEB "
-        "costs by braking and what it saves by crashes avoided are both in the change. Delay: time lost on the road and by "
-        "waiting for a place to enter. Intervals: the seed is the unit; of the delay per avoided crash, Fieller's.",
+        note="All vehicles; rates over all runs together, the other figures per run. Crashes block the road, so what "
+        "an AEB costs by braking and what it saves by crashes avoided are both in the change. Delay: time lost on the "
+        "road and by waiting for a place to enter. Intervals: the seed is the unit; of the delay per avoided crash, "
+        "Fieller's.",
     )  # fmt: skip
     return Section(
         id="traffic", title="What it costs the traffic", figures=_over_time(data), tables=[table] if rows else []
     )
 
 
-def _price(match: Match) -> pd.DataFrame:
+def _price(match: Match) -> list[dict[str, Any]]:
     # Crashes have their own table.
-    return traffic_price(match.both).drop(index="crashes", level="figure")
+    rows = [row for row in records(traffic_price(match.both)) if row["figure"] != "crashes"]
+    return [row | {"unit": _UNITS.get(row["unit"], row["unit"])} for row in rows]
 
 
 def _rows(match: Match) -> list[list[Cell]]:
     rows: list[list[Cell]] = []
-    for (_, figure, unit), row in _price(match).iterrows():
-        key = f"{match.group}/traffic/{str(figure).strip()}"
-        name = f"of it {figure.strip()}" if figure.startswith(" ") else str(figure)
-        sides = (
-            Quantity(key=f"{key}/{side}", value=row[side], unit=_UNITS.get(str(unit), str(unit)))
-            for side in ("baseline", "with_aeb")
-        )
-        rows.append([match.group, name, *sides, _change(f"{key}/change", row, str(unit))])
+    for row in _price(match):
+        figure, unit = row["figure"], row["unit"]
+        key = f"{match.group}/traffic/{figure.strip()}"
+        sides = [Quantity(key=f"{key}/{side}", value=row[side], unit=unit) for side in ("baseline", "with_aeb")]
+        name = f"of it {figure.strip()}" if figure.startswith(" ") else figure
+        rows.append([match.group, name, *sides, of_row(f"{key}/change", row, unit=unit)])
     return rows
-
-
-def _change(key: str, row: pd.Series, unit: str) -> Quantity:
-    n = int(row["seeds"])
-    return Quantity(
-        key=key, value=row["difference"], low=row["low"], high=row["high"], n=n, of="seed" if n == 1 else "seeds",
-        unit=_UNITS.get(unit, unit), signed=True, note=row["note"],
-    )  # fmt: skip
 
 
 def _over_time(data: Dataset) -> list[Figure]:
     """Mean over the runs of each interval, with its interval."""
     known = data.only(pd.Index(data.traffic["run_id"].unique()))
-    table = throughput_over_time(known) if len(known.runs) else None
-    return [_course(name, title, label, unit, data, table) for name, title, label, unit in _TIME]
+    table = throughput_over_time(known) if len(known.runs) else pd.DataFrame()
+    groups = {str(name): part.droplevel(0) for name, part in table.groupby(level=0, sort=False)} if len(table) else {}
+    return [_course(name, title, label, unit, looks(data.by_group()), groups) for name, title, label, unit in _TIME]
 
 
-def _course(column: str, title: str, label: str, unit: str, data: Dataset, table: pd.DataFrame | None) -> Figure:
-    name, look, said = f"over-time-{column.split('_')[0]}", looks(data.by_group()), []
+def _course(
+    column: str, title: str, label: str, unit: str, look: Mapping[str, Look], groups: Mapping[str, pd.DataFrame]
+) -> Figure:
+    name, said = f"over-time-{column.partition('_')[0]}", []
     with canvas(2.8) as (figure, axes):
-        groups = [] if table is None else list(dict.fromkeys(table.index.get_level_values("group")))
-        for group in groups:
-            values = table.loc[group, [column, f"{column}_low", f"{column}_high"]].dropna(subset=[column])
+        for group, part in groups.items():
+            values = part[[column, f"{column}_low", f"{column}_high"]].dropna(subset=[column])
             if len(values):
                 _line(axes, values, look[group])
                 first, last = (number(float(values[column].iloc[k]), 0) for k in (0, -1))

@@ -1,145 +1,160 @@
 """What would have happened without: the verdicts of the interventions."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
 import pandas as pd
 
 from analysis.interventions import equipped_km
 from analysis.load import Dataset
-from analysis.report.drawing import FAINT, INK, VERDICTS, canvas, svg
+from analysis.report.drawing import FAINT, INK, VERDICTS, canvas, empty, svg
 from analysis.report.intervals import per_1000_km, share
 from analysis.report.matching import is_baseline
-from analysis.report.parts import Cell, Figure, Section, Table, Text, count, number
+from analysis.report.parts import Cell, Figure, Quantity, Section, Table, Text, count, number
 
-__all__ = ["card_line", "figures", "section", "verdicts"]
+__all__ = ["Judged", "card_lines", "figures", "judged", "section"]
 
-
-def verdicts(data: Dataset) -> pd.Series:
-    """Verdict of every intervention that has one."""
-    found = data.interventions["verdict"].fillna("")
-    return found[found != ""]
+_TITLE = "Was it needed? Verdicts"
 
 
-def card_line(group: str, part: Dataset) -> list[tuple[str, Text]]:
-    """The line for the answer's card."""
-    found = verdicts(part)
-    known = found[found != "unknown"]
-    if not len(part.interventions):
+@dataclass(frozen=True)
+class Judged:
+    """The interventions of a group that have a verdict.
+
+    Attributes:
+        all: their rows, also those whose verdict is unknown.
+        known: rows with a known verdict, and column `seed`.
+        without: interventions that have no verdict.
+        km: distance of the equipped vehicles [km].
+    """
+
+    all: pd.DataFrame
+    known: pd.DataFrame
+    without: int
+    km: float
+
+    def count(self, verdict: str) -> int:
+        """Interventions with this verdict."""
+        return int((self.all["verdict"] == verdict).sum())
+
+    def share(self, key: str, verdict: str) -> Quantity:
+        """Their share of those with a known one."""
+        return share(key, self.known["verdict"] == verdict, self.known["seed"], "verdicts")
+
+
+def judged(data: Dataset) -> dict[str, Judged]:
+    """By group of runs with an AEB."""
+    result = {}
+    for name, part in data.by_group().items():
+        if not is_baseline(name):
+            told = part.interventions["verdict"].fillna("")
+            rows = part.interventions[told != ""]
+            known = rows[rows["verdict"] != "unknown"]
+            known = known.assign(seed=known["run_id"].map(part.runs.set_index("run_id")["seed"]))
+            result[name] = Judged(rows, known, int((told == "").sum()), float(equipped_km(part).sum()))
+    return result
+
+
+def card_lines(group: str, some: Judged) -> list[tuple[str, Text]]:
+    """Lines for the answer's card."""
+    if not len(some.all) + some.without:
         return [("interventions", ("none",))]
-    if not len(known):
-        return [("verdicts", ("unknown: none was asked for",) if not len(found) else ("all unknown",))]
+    if not len(some.known):
+        return [("verdicts", ("unknown: none was asked for" if not len(some.all) else "all unknown",))]
     lines: list[tuple[str, Text]] = []
     for verdict, label in (("avoided", "interventions that avoided a crash"), ("unneeded", "interventions not needed")):
-        seen = int((known == verdict).sum())
         key = f"{group}/card/{verdict}"
-        lines.append((label, (count(f"{key}/count", seen), ": ", share(key, seen, len(known), "verdicts"))))
+        seen = count(f"{key}/count", some.count(verdict))
+        lines.append((label, (seen, ": ", some.share(f"{key}/share", verdict))))
     return lines
 
 
-def figures(data: Dataset) -> list[Figure]:
-    """Bars of the verdicts of every group that has any."""
-    groups = {name: part for name, part in data.by_group().items() if not is_baseline(name)}
-    return [_bars(name, part, k) for k, (name, part) in enumerate(groups.items()) if len(verdicts(part))]
-
-
-def section(data: Dataset) -> Section | None:
+def section(groups: Mapping[str, Judged]) -> Section | None:
     """The numbers of the verdicts; None without any run with an AEB."""
-    groups = {name: part for name, part in data.by_group().items() if not is_baseline(name)}
     if not groups:
         return None
-    if not len(verdicts(data)):
+    if not any(len(some.all) for some in groups.values()):
         why = (
-            "No intervention has a verdict: none was asked for when these runs were made (aeb-sumo run --verdicts all), "
-            "so whether an intervention was needed is unknown here."
-            if len(data.interventions)
+            "No intervention has a verdict: none was asked for when these runs were made, so whether an intervention "
+            "was needed is unknown here."
+            if any(some.without for some in groups.values())
             else "There was no intervention, so there is nothing to judge."
         )
-        return Section(id="verdicts", title="Was it needed? Verdicts", text=[(why,)])
+        return Section(id="verdicts", title=_TITLE, text=[(why,)])
     table = Table(
         id="verdict-table", title="Verdicts", head=("group", "verdict", "interventions", "share", "rate"),
-        rows=[row for name, part in groups.items() for row in _rows(name, part)],
-        note="Share of the interventions with a known verdict, Wilson's interval; rate over the distance of the equipped "
-        "vehicles, exact Poisson interval, not given where only a sample has verdicts. Both take interventions as "
-        "independent; those of one pile-up are not, so the intervals are somewhat too narrow.",
+        rows=[row for name, some in groups.items() for row in _rows(name, some)],
+        note="Share of the interventions with a known verdict; the seed is the cluster, as those of one pile-up depend "
+        "on each other (of one seed alone: Wilson's interval). Rate over the distance of the equipped vehicles with "
+        "the exact Poisson interval, which takes interventions as independent; none where only a sample has verdicts.",
     )  # fmt: skip
-    return Section(
-        id="verdicts", title="Was it needed? Verdicts", tables=[table, *_by_target(groups), *_unknown(data)],
-        text=[
-            (
-                "At the start of every intervention the simulated world was forked; in the fork this one intervention was "
-                "suppressed, all else being equal, and the verdict compares the two futures.",
-            )
-        ],
-    )  # fmt: skip
+    text = (
+        "When an intervention first acted on the world, by the brake or by a warning that reached the driver, the "
+        "simulated world was forked. In the fork this one intervention was suppressed, all else being equal, and the "
+        "verdict compares the two.",
+    )
+    return Section(id="verdicts", title=_TITLE, text=[text], tables=[table, _by_target(groups), *_unknown(groups)])
 
 
-def _rows(group: str, part: Dataset) -> list[list[Cell]]:
-    found = verdicts(part)
-    known = int((found != "unknown").sum())
-    complete = len(found) == len(part.interventions)
-    km = float(equipped_km(part).sum())
+def _rows(group: str, some: Judged) -> list[list[Cell]]:
     rows: list[list[Cell]] = []
     for verdict in VERDICTS:
-        seen = int((found == verdict).sum())
-        key = f"{group}/verdict/{verdict}"
-        told: Cell = "–" if verdict == "unknown" else share(f"{key}/share", seen, known, "verdicts")
-        rate: Cell = per_1000_km(f"{key}/rate", seen, km) if complete else "–"
+        key, seen = f"{group}/verdict/{verdict}", some.count(verdict)
+        told: Cell = "–" if verdict == "unknown" else some.share(f"{key}/share", verdict)
+        rate: Cell = "–" if some.without else per_1000_km(f"{key}/rate", seen, some.km)
         rows.append([group, verdict, count(f"{key}/count", seen), told, rate])
-    none = len(part.interventions) - len(found)
-    rows.append([group, "without verdict", count(f"{group}/verdict/none/count", none), "–", "–"])
+    rows.append([group, "no verdict asked for", count(f"{group}/verdict/none/count", some.without), "–", "–"])
     return rows
 
 
-def _by_target(groups: dict[str, Dataset]) -> list[Table]:
+def _by_target(groups: Mapping[str, Judged]) -> Table:
     rows: list[list[Cell]] = []
-    for group, part in groups.items():
-        found = verdicts(part)
-        kinds = part.interventions["target_kind"].reindex(found.index)
-        phases = part.interventions["phase"].reindex(found.index)
-        for (kind, phase), some in found.groupby([kinds, phases]):
+    for group, some in groups.items():
+        for (kind, phase), part in some.all.groupby(["target_kind", "phase"]):
             key = f"{group}/verdict/{kind}/{phase}"
-            rows.append(
-                [group, str(kind), str(phase).replace("_", " ")]
-                + [count(f"{key}/{v}", (some == v).sum()) for v in VERDICTS]
-            )
+            counts = [count(f"{key}/{v}", (part["verdict"] == v).sum()) for v in VERDICTS]
+            rows.append([group, str(kind), str(phase).replace("_", " "), *counts])
     head = ("group", "target", "phase reached", *VERDICTS)
-    return [Table(id="verdicts-by-target", title="Verdicts by target and phase", head=head, rows=rows, folded=True)]
+    return Table(id="verdicts-by-target", title="Verdicts by target and phase", head=head, rows=rows, folded=True)
 
 
-def _unknown(data: Dataset) -> list[Table]:
-    table = data.interventions
-    why = table.loc[table["verdict"] == "unknown", "verdict_reason"].value_counts()
-    rows = [[str(reason) or "no reason given", count(f"unknown/{reason}", n)] for reason, n in why.sort_index().items()]
-    title = "Why a verdict is unknown"
-    return [Table(id="unknown", title=title, head=("reason", "interventions"), rows=rows)] if rows else []
+def _unknown(groups: Mapping[str, Judged]) -> list[Table]:
+    rows: list[list[Cell]] = []
+    for group, some in groups.items():
+        why = some.all.loc[some.all["verdict"] == "unknown", "verdict_reason"].value_counts().sort_index()
+        rows += [[group, str(r) or "no reason given", count(f"{group}/unknown/{r}", n)] for r, n in why.items()]
+    head = ("group", "reason", "interventions")
+    return [Table(id="unknown", title="Why a verdict is unknown", head=head, rows=rows)] if rows else []
 
 
-def _bars(group: str, part: Dataset, k: int) -> Figure:
-    found = verdicts(part)
-    known = found[found != "unknown"]
+def figures(groups: Mapping[str, Judged]) -> dict[str, Figure]:
+    """Bars of the verdicts of every group that has any."""
+    drawn = [name for name, some in groups.items() if len(some.all)]
+    return {name: _bars(f"verdicts-{k}", name, groups[name]) for k, name in enumerate(drawn)}
+
+
+def _bars(name: str, group: str, some: Judged) -> Figure:
     shown = [v for v in VERDICTS if v != "unknown"]
-    shares = [share("", int((known == v).sum()), len(known), "") for v in shown]
-    name = f"verdicts-{k}"
-    listed = ", ".join(f"{v} {(known == v).sum()}" for v in shown)
-    alt = f"Verdicts of {len(known)} interventions of {group}: {listed}; unknown {len(found) - len(known)}."
+    listed = ", ".join(f"{v} {some.count(v)}" for v in shown)
+    alt = f"Verdicts of {len(some.known)} interventions of {group}: {listed}; unknown {some.count('unknown')}."
     with canvas(2.6) as (figure, axes):
-        for y, (verdict, each) in enumerate(zip(shown, shares, strict=True)):
-            axes.barh(y, each.value, color=VERDICTS[verdict], height=0.62)
-            if each.value == each.value:
+        if len(some.known):
+            ends = []
+            for y, verdict in enumerate(shown):
+                each = some.share("", verdict)
+                ends.append(float(np.nanmax([each.high, each.value])))
+                axes.barh(y, each.value, color=VERDICTS[verdict], height=0.62)
                 axes.plot([each.low, each.high], [y, y], color=FAINT, lw=1.1)
-                axes.text(
-                    max(each.high, each.value) + 1.5, y, f"{(known == verdict).sum()}  ({number(each.value, 0)} %)",
-                    va="center", color=INK, fontsize=8.5,
-                )  # fmt: skip
-        top = max((each.high for each in shares if each.high == each.high), default=1.0)
-        axes.set(xlabel=f"share of {len(known)} interventions with a known verdict [%]", xlim=(0, top * 1.35))
-        axes.set_xticks([t for t in axes.get_xticks() if t <= 100])
-        axes.set_yticks(range(len(shown)), shown)
-        axes.invert_yaxis()
-        axes.grid(axis="y", visible=False)
+                text = f" {some.count(verdict)}  ({number(each.value, 0)} %)"
+                axes.text(ends[-1], y, text, va="center", color=INK, fontsize=8.5)
+            axes.set(xlabel=f"share of {len(some.known)} interventions with a known verdict [%]")
+            axes.set_xlim(0, 1.35 * max(ends))
+            axes.set_xticks([t for t in axes.get_xticks() if t <= 100])
+            axes.set_yticks(range(len(shown)), shown)
+            axes.invert_yaxis()
+            axes.grid(axis="y", visible=False)
+        else:
+            empty(axes, "all verdicts unknown")
         drawn = svg(figure, name, alt)
-    return Figure(
-        id=name,
-        title=f"Verdicts: {group}",
-        svg=drawn,
-        alt=alt,
-        note="Bars with their number; thin lines: 95 % (Wilson).",
-    )
+    return Figure(id=name, title=f"Verdicts: {group}", svg=drawn, alt=alt, note="Thin lines: 95 %, by seed.")
