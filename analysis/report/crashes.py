@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.ticker import MaxNLocator
 
 from analysis.crashes import crash_counts, crash_rates
 from analysis.load import Dataset
@@ -74,20 +73,21 @@ def _kinds(counts: pd.DataFrame, groups: dict[str, Dataset]) -> Figure:
             thick = 0.8 / len(groups)
             for k, group in enumerate(groups):
                 y = np.arange(len(counts)) + (k - (len(groups) - 1) / 2) * thick
-                bars = axes.barh(y, counts[group], thick * 0.92, color=look[group].colour, label=look[group].short)
-                axes.bar_label(bars, padding=2, fontsize=8)
+                runs = len(groups[group].runs)
+                label = f"{look[group].short} ({runs} run{'s' if runs != 1 else ''})"
+                bars = axes.barh(y, counts[group] / runs, thick * 0.92, color=look[group].colour, label=label)
+                axes.bar_label(bars, [str(n) for n in counts[group]], padding=2, fontsize=8)
             axes.set_yticks(range(len(counts)), [str(kind).replace("_", " ") for kind in counts.index])
             axes.invert_yaxis()
             axes.grid(axis="y", visible=False)
             axes.margins(x=0.12)
-            axes.set(xlabel="crashes in all runs of the group")
-            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-            figure.legend(loc="outside upper left", ncols=2)
+            axes.set(xlabel="crashes per run")
+            figure.legend(loc="outside upper left", ncols=1 if len(groups) > 2 else 2)
         else:
             empty(axes, "no crashes")
         drawn = svg(figure, "crash-kinds-figure", alt)
-    runs = ", ".join(f"{g}: {len(part.runs)}" for g, part in groups.items())
-    return Figure(id="crash-kinds-figure", title="Crashes by kind", svg=drawn, alt=alt, note=f"Runs: {runs}.")
+    note = "Crashes per run; the numbers at the bars are those of all runs of a group together."
+    return Figure(id="crash-kinds-figure", title="Crashes by kind", svg=drawn, alt=alt, note=note)
 
 
 def _speeds(groups: dict[str, Dataset]) -> Figure:

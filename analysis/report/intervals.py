@@ -77,10 +77,12 @@ def of_row(
     middle, low, high = float(row[value]), float(row[f"{before}low"]), float(row[f"{before}high"])
     if avoided:
         middle, low, high = -middle, -high, -low
-    n = int(row["seeds"])
+    # That seeds are few is said once, at the head of the page.
+    note = "; ".join(part for part in str(row["note"]).split("; ") if part and not part.startswith("few seeds"))
+    note = f"no interval: {note}" if note and np.isnan(low) else note
     return Quantity(
-        key=key, value=middle, low=low, high=high, n=n, of="seed" if n == 1 else "seeds", unit=unit,
-        signed=value == "difference" and not avoided, note=row["note"],
+        key=key, value=middle, low=low, high=high, n=int(row["seeds"]), of="seeds", unit=unit, note=note,
+        signed=value == "difference" and not avoided,
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from analysis.report import answer, crash_pairs, crashes, definitions, intervent
 from analysis.report.drawing import SERIES, VERDICTS
 from analysis.report.matching import Match, is_baseline, matches
 from analysis.report.parts import Quantity, Section
+from analysis.statistics import FEW_SEEDS
 
 __all__ = ["render"]
 
@@ -125,6 +126,8 @@ def _notices(data: Dataset, matched: list[Match]) -> list[str]:
     if matched and max(len(m.pairs) for m in matched) == 1:
         notices.append("One seed: how much the numbers would move with another one is unknown, so comparisons have no "
                        "interval.")  # fmt: skip
+    elif matched and max(len(m.pairs) for m in matched) < FEW_SEEDS:
+        notices.append("Few seeds: with fewer than six, intervals may be too narrow, as crashes come in clusters.")
     if violations := int(runs["override_violations"].sum()):
         notices.append(
             f"SUMO did not execute {violations} of {int(runs['override_commands'].sum())} commanded speeds exactly."

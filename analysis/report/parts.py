@@ -7,6 +7,7 @@ from math import floor, isfinite, isinf, isnan, log10, nan
 
 __all__ = ["Card", "Cell", "Figure", "Quantity", "Section", "Table", "Text", "count", "number"]
 
+_ONE = {"crashes": "crash", "seeds": "seed", "verdicts": "verdict", "brakings": "braking"}
 _MINUS, _GROUP = "−", " "
 
 
@@ -53,7 +54,8 @@ class Quantity:
     def rests_on(self) -> str:
         """`n = 20 seeds`; empty where that goes without saying."""
         decimals = 2 if self.n < 10 and self.n != int(self.n) else 0
-        return f"n = {number(self.n, decimals)} {self.of}" if self.of else ""
+        of = _ONE.get(self.of, self.of) if self.n == 1 else self.of
+        return f"n = {number(self.n, decimals)} {of}" if self.of else ""
 
     @property
     def small(self) -> str:
@@ -123,7 +125,7 @@ class Figure:
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """A table; its first column names the rows.
+    """A table; its first column names the rows, or groups of them that have the same name.
 
     Attributes:
         id: unique in the report.
@@ -140,6 +142,11 @@ class Table:
     rows: Sequence[Sequence[Cell]]
     note: str = ""
     folded: bool = False
+
+    @property
+    def grouped(self) -> bool:
+        """Whether several rows have the same name."""
+        return len(self.blocks) < len(self.rows)
 
     @property
     def blocks(self) -> list[list[Sequence[Cell]]]:

@@ -134,9 +134,10 @@ def _interventions(axes: Axes, some: pd.DataFrame) -> None:
 
 
 def _alt(part: Dataset, roads: Lines | None) -> str:
-    c, i = len(part.crashes), len(part.interventions)
+    c, i, n = len(part.crashes), len(part.interventions), len(part.runs)
     net = f"on the {len(roads)} lanes of the network" if roads else "without the network, which is not known here"
-    text = f"{c} crash{'es' if c != 1 else ''} and {i} intervention{'s' if i != 1 else ''} {net}."
+    text = f"{c} crash{'es' if c != 1 else ''} and {i} intervention{'s' if i != 1 else ''} in {n} run{'s' if n != 1 else ''},"
+    text += f" {net}."
     points = part.crashes if c else part.interventions
     if len(points):
         x, y = (points[axis].quantile([0.1, 0.9]).to_numpy() for axis in ("x_m", "y_m"))

@@ -8,7 +8,7 @@ import pandas as pd
 
 from analysis.interventions import equipped_km
 from analysis.load import Dataset
-from analysis.report.drawing import FAINT, INK, VERDICTS, canvas, empty, svg
+from analysis.report.drawing import INK, VERDICTS, canvas, empty, svg
 from analysis.report.intervals import per_1000_km, share
 from analysis.report.matching import is_baseline
 from analysis.report.parts import Cell, Figure, Quantity, Section, Table, Text, count, number
@@ -145,9 +145,11 @@ def _bars(name: str, group: str, some: Judged) -> Figure:
                 each = some.share("", verdict)
                 ends.append(float(np.nanmax([each.high, each.value])))
                 axes.barh(y, each.value, color=VERDICTS[verdict], height=0.62)
-                axes.plot([each.low, each.high], [y, y], color=FAINT, lw=1.1)
-                text = f" {some.count(verdict)}  ({number(each.value, 0)} %)"
-                axes.text(ends[-1], y, text, va="center", color=INK, fontsize=8.5)
+                axes.plot([each.low, each.high], [y, y], color=INK, lw=1)
+                axes.annotate(
+                    f"{some.count(verdict)} ({number(each.value, 0)} %)", (ends[-1], y), xytext=(4, 0),
+                    textcoords="offset points", va="center", fontsize=8.5,
+                )  # fmt: skip
             axes.set(xlabel=f"share of {len(some.known)} interventions with a known verdict [%]")
             axes.set_xlim(0, 1.35 * max(ends))
             axes.set_xticks([t for t in axes.get_xticks() if t <= 100])
