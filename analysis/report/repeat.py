@@ -18,7 +18,7 @@ def section(data: Dataset) -> Section:
     for name, part in data.by_group().items():
         lines: dict[tuple[str, ...], list[int]] = {}
         for run in part.runs.sort_values(["seed", "run_id"]).pipe(records):
-            words = [*arguments(run, seed=False), *_interval(part.traffic, run)]
+            words = [*arguments(run, seed=False), *_verdicts(part), *_interval(part.traffic, run)]
             lines.setdefault(tuple(words), []).append(int(run["seed"]))
         for line, seeds in lines.items():
             code += [(f"{name}: {_seeds(seeds)}", _line(list(line), seeds, f"again/{len(code) + 1}"))]
@@ -29,6 +29,15 @@ def section(data: Dataset) -> Section:
         "name (a .sumocfg, a driver profile) must be the same, too.",
     )
     return Section(id="repeat", title="How to repeat it", text=[text], code=code, tables=[_runs(data)])
+
+
+def _verdicts(part: Dataset) -> list[str]:
+    """Which interventions got a verdict: all, or a sample as large as the largest of a run."""
+    told = part.interventions["verdict"].fillna("") != ""
+    if not told.any():
+        return []
+    largest = part.interventions[told].groupby("run_id").size().max()
+    return ["--verdicts", "all" if told.all() else f"sample:{largest}"]
 
 
 def _interval(traffic: pd.DataFrame, run: dict[str, object]) -> list[str]:
