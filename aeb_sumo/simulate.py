@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from aeb_sumo.trace import Recorder
 from aeb_sumo.verdicts import Choice, Verdicts
 from aeb_sumo.world.fork import Forks
 from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
+from aeb_sumo.world.surroundings import lane
 from aeb_sumo.world.wrecks import Crash
 
 __all__ = ["Progress", "run"]
@@ -240,6 +242,7 @@ class _Run:
                 error=self._engine.error(slot, target.slot if target else None),
                 x=float(t.x[slot]),
                 y=float(t.y[slot]),
+                lane=partial(lane, vehicle),
             ),
         )
 

@@ -15,9 +15,11 @@ from analysis.outcomes import mcnemar_test, pair_counts
 from analysis.pairs import pairs, partners
 from analysis.planning import events_needed, exposure_without_events, planning, seeds_needed
 from analysis.price import delay_per_avoided_crash, traffic_price
-from analysis.rates import poisson_rate, proportion, rate_ratio
-from analysis.statistics import Interval, paired_interval, share_by_seed
+from analysis.rates import poisson_rate, rate_ratio
+from analysis.shares import proportion, share_by_seed
+from analysis.statistics import Interval, paired_interval
 from analysis.throughput import throughput, throughput_impact, throughput_over_time
+from analysis.verdicts import passed_on, precision_recall, verdict_counts, verdict_rates
 
 __all__ = [
     "Dataset",
@@ -42,8 +44,10 @@ __all__ = [
     "paired_interval",
     "pairs",
     "partners",
+    "passed_on",
     "planning",
     "poisson_rate",
+    "precision_recall",
     "proportion",
     "rate_ratio",
     "run_figures",
@@ -54,4 +58,6 @@ __all__ = [
     "throughput_impact",
     "throughput_over_time",
     "traffic_price",
+    "verdict_counts",
+    "verdict_rates",
 ]

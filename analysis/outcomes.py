@@ -5,7 +5,8 @@ from statsmodels.stats.contingency_tables import mcnemar
 
 from analysis.load import Dataset
 from analysis.pairs import OUTCOMES, pairs, partners
-from analysis.statistics import Interval, paired_interval, share_by_seed
+from analysis.shares import share_by_seed
+from analysis.statistics import Interval, paired_interval
 
 __all__ = ["mcnemar_test", "pair_counts"]
 

@@ -40,7 +40,7 @@ def partners(data: Dataset, baseline: str = "none") -> pd.DataFrame:
     others, bases = runs[~is_baseline], runs[is_baseline]
     if bases.empty or others.empty:
         what = "no runs of" if bases.empty else "nothing but runs of"
-        raise InputError(f"{what} {baseline!r}, so no pairs; there are {', '.join(data.by_group())}")
+        raise InputError(f"{what} {baseline!r}, so no pairs; there are {', '.join(sorted(groups.unique()))}")
     keys = list(_SAME)
     twins = bases[bases.duplicated(keys, keep=False)]
     if not twins.empty:
@@ -50,9 +50,8 @@ def partners(data: Dataset, baseline: str = "none") -> pd.DataFrame:
     if not alone.empty:
         raise InputError(f"no run of {baseline!r} with the settings of {_difference(alone.iloc[0], bases)}")
     found = found.rename(columns={"run_id_of_baseline": "baseline_run_id"})
-    order = pd.Categorical(found["group"], [name for name in data.by_group() if name in set(found["group"])])
-    found = found.assign(order=order).sort_values(["order", "seed", "run_id"], kind="stable")
-    return found[["run_id", "baseline_run_id", "seed", "group"]].reset_index(drop=True)
+    found = found.sort_values(["group", "seed", "run_id"], kind="stable", ignore_index=True)
+    return found[["run_id", "baseline_run_id", "seed", "group"]]
 
 
 def _difference(run: pd.Series, bases: pd.DataFrame) -> str:

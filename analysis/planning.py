@@ -130,10 +130,9 @@ def planning(
                 base[value], aeb[value], baseline_per=base["runs"], other_per=aeb["runs"], percent=True,
                 confidence=confidence,
             )  # fmt: skip
-            row = {"group": group, "figure": f"reduction of {value.replace('_', ' ')}", "wanted": points}
-            half_width = (change.high - change.low) / 2
+            figure, half_width = f"reduction of {value.replace('_', ' ')}", (change.high - change.low) / 2
             missing = _missing(aeb, seeds_needed(change, points, confidence), change.note)
-            rows.append({**row, "half_width": half_width, **missing})
+            rows.append({"group": group, "figure": figure, "half_width": half_width, "wanted": points, **missing})
     columns = ["group", "figure", "half_width", "wanted", "seeds", "seeds_needed", "seeds_missing"]
     columns += ["km", "km_needed", "km_missing", "note"]
     return pd.DataFrame(rows, columns=columns).set_index(["group", "figure"])

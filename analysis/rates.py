@@ -1,11 +1,12 @@
-"""Rates and shares of events that are independent; crashes in pile-ups are not, see `analysis.statistics`."""
+"""Rates of events that are independent; crashes in pile-ups are not, see `analysis.statistics`."""
 
 from dataclasses import dataclass
 
-from statsmodels.stats.proportion import proportion_confint
 from statsmodels.stats.rates import confint_poisson
 
-__all__ = ["Proportion", "Rate", "RateRatio", "poisson_rate", "proportion", "rate_ratio"]
+from analysis.shares import proportion
+
+__all__ = ["Rate", "RateRatio", "poisson_rate", "rate_ratio"]
 
 
 @dataclass(frozen=True)
@@ -83,38 +84,3 @@ def rate_ratio(
         low=share.low / (1 - share.low) * per,
         high=share.high / (1 - share.high) * per if baseline_count and share.high < 1 else float("inf"),
     )
-
-
-@dataclass(frozen=True)
-class Proportion:
-    """Share of trials with its confidence interval."""
-
-    share: float
-    low: float
-    high: float
-
-
-def proportion(count: int, total: int, confidence: float = 0.95) -> Proportion:
-    """Share of independent trials with Wilson's score interval (statsmodels `proportion_confint`).
-
-    Over shares from 2 to 98 % it covers 95.0 to 95.5 % on average for 5 to 200 trials, within 93 to 97 % at 62 / 79 /
-    95 / 100 % of the shares with 10 / 20 / 50 / 200 trials, worst near 0 and 1 (90 / 91 / 92 / 93 %; all measured).
-    Jeffreys' is as good on average and falls to 87 to 90 %; Clopper and Pearson's covers 97 to 98 % up to 50 trials.
-
-    Args:
-        count: trials that had it, 0 to `total`.
-        total: trials.
-        confidence: of the interval, 0 to 1.
-
-    Returns:
-        The share; NaN and an interval from 0 to 1 without trials.
-
-    Raises:
-        ValueError: a count outside 0..total, or a confidence outside 0..1.
-    """
-    if not 0 <= count <= total or not 0 < confidence < 1:
-        raise ValueError(f"count {count} must be within 0..{total}, confidence {confidence} within 0..1")
-    if not total:
-        return Proportion(float("nan"), 0.0, 1.0)
-    low, high = proportion_confint(count, total, alpha=1 - confidence, method="wilson")
-    return Proportion(count / total, float(low), float(high))

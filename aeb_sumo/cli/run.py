@@ -44,6 +44,12 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
 @click.option("--drivers", help="Driver profile, a name or a file.toml. [default: the scenario's; sumo with --sumocfg]")
 @click.option("--blockage", type=float, help="Seconds that crashed vehicles stand. [default: 60]")
 @click.option("--interval", type=float, default=60.0, show_default=True, help="Seconds per row of table traffic.")
+@click.option(
+    "--verdicts",
+    default="none",
+    show_default=True,
+    help="Interventions judged by a fork of the world without them: all, none or sample:N.",
+)
 @click.option("--out", help="Folder for the tables. [default: none, only printed]")
 @click.option("--compare", is_flag=True, help="Run the baseline too, same seed, and print both side by side.")
 @click.option("--quiet", is_flag=True, help="No progress bar, no summary.")

@@ -5,10 +5,11 @@
 """
 
 from aeb_sumo.criticality.crossing import crossing_ttc, pet, yielding_decel
-from aeb_sumo.criticality.exposure import EXPOSED, time_below
+from aeb_sumo.criticality.exposure import EVASIVE, EXPOSED, time_below
 from aeb_sumo.criticality.following import drac, required_decel, thw, ttc, ttc2
 
 __all__ = [
+    "EVASIVE",
     "EXPOSED",
     "crossing_ttc",
     "drac",

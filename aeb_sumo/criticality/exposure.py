@@ -4,8 +4,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from aeb_sumo.soa import Floats
+from aeb_sumo.units import G
 
-__all__ = ["EXPOSED", "time_below"]
+__all__ = ["EVASIVE", "EXPOSED", "time_below"]
+
+EVASIVE = 0.5 * G
+"""Braking above which an encounter without contact is a near-crash [m/s2], from another source: the 100-Car study."""
 
 EXPOSED = 1.5
 """TTC below which traffic counts as in danger [s], from another source: van der Horst 1990; Gettman et al. 2008 (the

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from aeb_sumo.criticality import EXPOSED, pet, time_below
+from aeb_sumo.criticality import EVASIVE, EXPOSED, pet, time_below
 from aeb_sumo.ledger.encounters import THREAT, Pairs, crossing, following
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.soa import Bools, Floats, Ints, find, joined, take
@@ -18,12 +18,9 @@ from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
 from aeb_sumo.world.surroundings import Leads
 
-__all__ = ["EVASIVE", "Conflicts"]
+__all__ = ["Conflicts"]
 
 _SLIPPERY = 0.9  # of what a slippery road gives: as hard as a near-crash can be there, our assumption
-EVASIVE = 0.5 * G
-"""Braking above which an encounter without contact is a near-crash [m/s2], from another source: the 100-Car study."""
-
 _PET = 3.0  # s, our assumption; SSAM counts up to 5
 _PAUSE = 1.0  # s without being a pair after which an encounter is over, our assumption
 _LONGEST_PET = 5.0  # s, how long the second is waited for, from another source: the default of SSAM
@@ -103,7 +100,7 @@ class Conflicts:
     Attributes:
         rows: those that are over and came to matter.
         pairs: who met in the last step.
-        hard: (k, 2) slots of those of them who braked as hard as in a near-crash.
+        hard: (k,) in which of these encounters one braked as hard as in a near-crash.
         ended: rows that the last step added without a crash.
     """
 
@@ -115,7 +112,7 @@ class Conflicts:
         self._errors: dict[int, list[str]] = {}
         nobody = np.zeros(0, np.bool_)
         self.pairs = following(traffic, Leads(traffic), nobody)
-        self.hard = self.pairs.slots
+        self.hard = nobody
         self.ended: list[dict[str, Any]] = []
         self._open = _Open.of(self.pairs, 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_))
 
@@ -139,7 +136,7 @@ class Conflicts:
         o, slots = self._open, pairs.slots
         evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
         braking = np.where(evading, np.maximum(-t.accel[slots], 0.0), 0.0)
-        self.hard = slots[np.where(pairs.key < 0, braking.max(1), braking[:, 0]) > self._evasive]
+        self.hard = np.where(pairs.key < 0, braking.max(1), braking[:, 0]) > self._evasive
         self._note_worst(at, pairs)
         for smallest, value in ((o.min_gap, pairs.gap), (o.min_ttc, pairs.ttc), (o.min_ttc2, pairs.ttc2)):
             smallest[at] = np.minimum(smallest[at], value)

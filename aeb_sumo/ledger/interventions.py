@@ -1,7 +1,7 @@
 """Interventions: what an AEB did, from its first warning or braking until it has been doing neither for a while."""
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,6 +26,7 @@ class Action:
         target: id of the target, or empty; with its class, kind, gap [m], TTC and TTC2 [s], closing speed [m/s].
         error: what the driver does wrong, or empty.
         x, y: front bumper [m].
+        lane: asked for the lane of the front where it is needed.
     """
 
     strategy: str
@@ -42,6 +43,7 @@ class Action:
     error: str
     x: float
     y: float
+    lane: Callable[[], str]
 
 
 @dataclass
@@ -142,6 +144,7 @@ class Interventions:
             "driver_error": action.error,
             "x_m": action.x,
             "y_m": action.y,
+            "lane": action.lane(),
             "verdict": "",
             "verdict_reason": "",
             "acted_by": "",

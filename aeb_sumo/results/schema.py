@@ -9,7 +9,7 @@ from typing import Literal
 
 import pyarrow as pa
 
-__all__ = ["SCHEMA_VERSION", "TABLES", "Column", "Table"]
+__all__ = ["SCHEMA_VERSION", "TABLES", "VERDICTS", "Column", "Table"]
 
 SCHEMA_VERSION = 4
 
@@ -148,12 +148,24 @@ _CRASHES = _table(
     ("sumo_reported", "bool", "-", "SUMO's own check reported the pair as well"),
 )
 
+VERDICTS = {
+    "avoided": "a crash otherwise, none with it",
+    "mitigated": "a crash either way, with less risk of serious injury, or, where no curve applies, less impact speed",
+    "unchanged": "a crash either way, as hard as otherwise",
+    "worsened": "a crash either way, harder than otherwise",
+    "induced": "a crash with it, none otherwise",
+    "precautionary": "no crash either way, but a near-crash otherwise, or a crossing within a second",
+    "unneeded": "no crash either way, and no near-crash otherwise",
+    "unknown": "the world could not be forked, or the fork did not answer",
+}
+"""Verdict -> what it means."""
+
 _WORLD: tuple[tuple[str, DType, str, str], ...] = (
     ("crash", "bool", "-", "the vehicle, or one of the three behind it, crashes in the window; null without verdict"),
     ("impact_speed_mps", "float64", "m/s", "impact speed of the hardest of these crashes; null without crash"),
     ("delta_v_mps", "float64", "m/s", "the larger change of velocity of the two in it"),
     ("serious_risk", "float64", "-", "risk that somebody is injured seriously in it; null where no curve applies"),
-    ("near_crash", "bool", "-", "no crash, but the vehicle or one it met braked as in a near-crash (`conflicts`)"),
+    ("near_crash", "bool", "-", "no crash, but hard braking, as in `conflicts`, for one ahead or where paths cross"),
     ("min_gap_m", "float64", "m", "smallest gap to one it closed in on or whose path it crossed; null for nobody"),
     ("pet_s", "float64", "s", "smallest post-encroachment time below 3 s of its crossings; null for none"),
     ("follower_decel_mps2", "float64", "m/s2", "largest deceleration of one who follows within 3 s"),
@@ -190,6 +202,7 @@ _INTERVENTIONS = _table(
     ("driver_error", "string", "-", "error that the driver was making at the beginning, as in `crashes`"),
     ("x_m", "float64", "m", "front bumper at the beginning, in the network's coordinates"),
     ("y_m", "float64", "m", "front bumper at the beginning, in the network's coordinates"),
+    ("lane", "string", "-", "lane of the front at the beginning; inside junctions it begins with a colon"),
     (
         "verdict",
         "string",

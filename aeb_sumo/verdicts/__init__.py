@@ -2,6 +2,6 @@
 
 from aeb_sumo.verdicts.book import Verdicts
 from aeb_sumo.verdicts.choice import Choice
-from aeb_sumo.verdicts.judge import VERDICTS, Hit, Outcome, verdict
+from aeb_sumo.verdicts.judge import Hit, Outcome, verdict
 
-__all__ = ["VERDICTS", "Choice", "Hit", "Outcome", "Verdicts", "verdict"]
+__all__ = ["Choice", "Hit", "Outcome", "Verdicts", "verdict"]

@@ -101,7 +101,7 @@ class Verdicts:
             reason: why it is over, if before its time; there is no use in waiting then.
         """
         if reason:
-            self._forks.end()
+            self._forks.end(reason)
             for watch in self._watches.values():
                 if watch.row is None:
                     watch.with_, watch.without = watch.witness.outcome(), Answer(failure=reason)

@@ -3,19 +3,7 @@
 from dataclasses import dataclass
 from math import inf
 
-__all__ = ["VERDICTS", "Hit", "Outcome", "verdict"]
-
-VERDICTS = {
-    "avoided": "a crash otherwise, none with it",
-    "mitigated": "a crash either way, with less risk of serious injury, or, where no curve applies, less impact speed",
-    "unchanged": "a crash either way, as hard as otherwise",
-    "worsened": "a crash either way, harder than otherwise",
-    "induced": "a crash with it, none otherwise",
-    "precautionary": "no crash either way, but a near-crash otherwise, or a crossing within a second",
-    "unneeded": "no crash either way, and no near-crash otherwise",
-    "unknown": "the world could not be forked, or the fork did not answer",
-}
-"""Verdict -> what it means."""
+__all__ = ["Hit", "Outcome", "verdict"]
 
 _SAME = 1 / 3.6  # m/s, impact speeds nearer than this are the same, our assumption
 _CLOSE = 1.0  # s, PET below which a crossing is a close call though nobody braked, our assumption
@@ -46,7 +34,8 @@ class Outcome:
 
     Attributes:
         hits: crashes, in the order of time.
-        near_crash: the vehicle was in an encounter in which somebody braked as in a near-crash (table `conflicts`).
+        near_crash: the vehicle braked for somebody ahead as in a near-crash (table `conflicts`), or one of two whose
+            paths cross did.
         min_gap: smallest gap to whom it closed in on, or distance to whose path it crossed; inf for nobody [m].
         pet: smallest post-encroachment time of its crossings that were over; inf for none [s].
         follower_decel: largest deceleration of who followed close behind [m/s2].
@@ -65,7 +54,7 @@ class Outcome:
 
 
 def verdict(with_: Outcome, without: Outcome) -> str:
-    """What an intervention was worth: one of `VERDICTS`, all but unknown.
+    """What an intervention was worth: one of `aeb_sumo.results.VERDICTS`, all but unknown.
 
     A crash behind the vehicle that happens in both worlds, as hard in one as in the other, has nothing to do with the
     intervention and does not count.

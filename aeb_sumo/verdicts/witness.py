@@ -48,8 +48,9 @@ class Witness:
         if slot is None:
             return
         t, leads, pairs = self._engine.traffic, self._engine.leads, self._conflicts.pairs
-        self._near |= bool((self._conflicts.hard == slot).any())
+        # An encounter with somebody behind is not the vehicle's to mend.
         own = (pairs.slots[:, 0] == slot) | ((pairs.slots[:, 1] == slot) & (pairs.key < 0))
+        self._near |= bool(self._conflicts.hard[own].any())
         self._gap = min(self._gap, float(pairs.gap[own].min(initial=np.inf)))
         behind = np.flatnonzero((leads.lead == slot) & t.here)
         close = behind[leads.gap[behind] <= _CLOSE * t.speed[behind]]

@@ -12,6 +12,7 @@ import time
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import ceil
 from typing import Any
 
 import libsumo
@@ -98,7 +99,7 @@ class Forks:
             self._answers[self._count] = Answer(failure=f"the world could not be forked: {error.strerror}")
             return self._count
         if pid == 0:
-            _live(future, outward)
+            _live(future, outward, self._patience)
         os.close(outward)
         self._children[inward] = _Child(self._count, pid, time.monotonic())
         return self._count
@@ -116,10 +117,10 @@ class Forks:
         come, self._answers = self._answers, {}
         return come
 
-    def end(self) -> None:
-        """Give up all forks."""
+    def end(self, why: str) -> None:
+        """Give up all forks; the reason is their failure."""
         for inward in list(self._children):
-            self._bury(inward, "given up")
+            self._bury(inward, why)
 
     def _collect(self, *, wait: bool) -> None:
         """Read what is there; `wait` until there is something."""
@@ -155,10 +156,11 @@ def _answer(data: bytes, status: int) -> Answer:
     return answer if isinstance(answer, Answer) else Answer(failure="the fork ended without an answer")
 
 
-def _live(future: Callable[[], Any], outward: int) -> None:
+def _live(future: Callable[[], Any], outward: int, patience: float) -> None:
     """The life of a fork; it ends here."""
     try:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the parent decides
+        signal.alarm(ceil(patience) + 1)  # also when there is no parent any more to end it
         gc.disable()  # collecting would copy all memory that is shared
         _part_files(outward)
         try:

@@ -7,7 +7,10 @@ from aeb_sumo.drivers.lapses import Glances
 from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["Leads", "ahead", "demanding", "lanes", "lateral_position", "lost", "overlook", "pending", "to_end"]
+__all__ = [
+    "Leads", "ahead", "demanding", "lane", "lanes", "lateral_position", "lost", "next_lanes", "overlook", "pending",
+    "to_end",
+]  # fmt: skip
 
 _REACH = 150.0  # m, as far as any sensor sees
 _IGNORE_IDS = "junctionModel.ignoreIDs"
@@ -69,6 +72,11 @@ def demanding(t: Traffic, leads: Leads, slot: int, calm: Glances) -> bool:
     return lane in left and bool(left[lane] - libsumo.vehicle.getLanePosition(vehicle) < calm.calm_lane)
 
 
+def lane(vehicle: str) -> str:
+    """Id of the lane that a vehicle's front is on."""
+    return str(libsumo.vehicle.getLaneID(vehicle))
+
+
 def overlook(vehicle: str, others: set[str]) -> None:
     """Let SUMO's driver of `vehicle` not see `others` at junctions; an empty set ends it."""
     libsumo.vehicle.setParameter(vehicle, _IGNORE_IDS, " ".join(sorted(others)))
@@ -100,6 +108,11 @@ def lanes(t: Traffic, slots: Ints) -> list[str]:
     """Lanes of the vehicles in these slots; empty for who is in a junction."""
     names = (libsumo.vehicle.getLaneID(t.ids[slot]) for slot in slots.tolist())
     return ["" if name.startswith(":") else name for name in names]
+
+
+def next_lanes(lane: str) -> list[str]:
+    """Lanes, outside junctions, that a lane leads to."""
+    return [link[0] for link in libsumo.lane.getLinks(lane)]
 
 
 def to_end(t: Traffic, slots: Ints) -> Floats:

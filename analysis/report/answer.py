@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from analysis.effect import effect
 from analysis.load import Dataset
 from analysis.planning import planning
 from analysis.report.drawing import FAINT, SERIES, canvas, svg
@@ -89,7 +88,7 @@ def _headline(match: Match) -> tuple[Text, list[tuple[str, Text]]]:
         headline: Text = (count(f"{key}/net", net), " of ", without, f" {_noun(before)} avoided, net")
     else:
         headline = (count(f"{key}/more", -net), f" {_noun(-net)} more than the ", without, " without AEB")
-    row = next(row for row in records(effect(match.both)) if row["figure"] == "crashes")
+    row = next(row for row in match.effect if row["figure"] == "crashes")
     if before:
         lines.append(("avoided, net, in percent", (of_row(f"{key}/percent", row, "percent", unit="%", avoided=True),)))
     lines.append(("avoided, net, per run", (of_row(f"{key}/per_run", row, avoided=True),)))
@@ -118,7 +117,7 @@ def _crashes_of(match: Match, side: str) -> pd.Series:
 
 def _rows(match: Match) -> list[list[Cell]]:
     rows: list[list[Cell]] = []
-    for row in records(effect(match.both)):
+    for row in match.effect:
         if row["unit"] == "1/run":  # the others are the traffic's
             key = f"{match.group}/effect/{row['figure']}"
             sides = [Quantity(key=f"{key}/{side}", value=row[side]) for side in ("baseline", "with_aeb")]

@@ -18,9 +18,13 @@ __all__ = ["section"]
 _KMH = 3.6  # km/h per m/s
 
 
-def section(data: Dataset) -> Section:
-    """Kinds, rates and impact speeds, by group of runs."""
-    groups = data.by_group()
+def section(data: Dataset, groups: Mapping[str, Dataset]) -> Section:
+    """Kinds, rates and impact speeds, by group of runs.
+
+    Args:
+        data: all runs.
+        groups: `data.by_group()`.
+    """
     worst = crash_counts(data, "kind")
     kinds = [k for k in worst.index if k != "total"]
     rows: list[list[Cell]] = []
@@ -57,7 +61,7 @@ def _rate(group: str, rate: Mapping[str, Any], part: Dataset) -> list[Cell]:
     ]  # fmt: skip
 
 
-def _kinds(counts: pd.DataFrame, groups: dict[str, Dataset]) -> Figure:
+def _kinds(counts: pd.DataFrame, groups: Mapping[str, Dataset]) -> Figure:
     look = looks(groups)
     alt = "Crashes by kind. " + (
         "; ".join(
@@ -90,6 +94,6 @@ def _kinds(counts: pd.DataFrame, groups: dict[str, Dataset]) -> Figure:
     return Figure(id="crash-kinds-figure", title="Crashes by kind", svg=drawn, alt=alt, note=note)
 
 
-def _speeds(groups: dict[str, Dataset]) -> Figure:
+def _speeds(groups: Mapping[str, Dataset]) -> Figure:
     values = {g: _KMH * part.crashes["impact_speed_mps"].to_numpy(float) for g, part in groups.items()}
     return ecdf("impact-speeds", "Impact speeds", values, looks(groups), label="impact speed [km/h]", events="crashes")

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binom
 
-from analysis.rates import poisson_rate, proportion
+from analysis.rates import poisson_rate
 from analysis.report.parts import Quantity
-from analysis.statistics import share_by_seed
+from analysis.shares import proportion, share_by_seed
 
 __all__ = ["median", "of_row", "per_1000_km", "records", "share"]
 

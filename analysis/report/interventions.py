@@ -1,5 +1,7 @@
 """When the systems acted, and how often."""
 
+from collections.abc import Mapping
+
 import pandas as pd
 
 from analysis.interventions import equipped_km
@@ -15,24 +17,24 @@ _PHASES = {"warn": "warning alone", "partial_brake": "partial braking", "full_br
 _FAR = 10.0  # s, end of the axis of TTC: beyond it no AEB of the platform is meant to act
 
 
-def section(data: Dataset) -> Section | None:
+def section(everything: Mapping[str, Dataset]) -> Section | None:
     """Counts, rates and times to collision at the trigger; None without any run with an AEB."""
-    groups = {name: part for name, part in data.by_group().items() if not is_baseline(name)}
+    groups = {name: part for name, part in everything.items() if not is_baseline(name)}
     if not groups:
         return None
-    if not len(data.interventions):
+    if not any(len(part.interventions) for part in groups.values()):
         return Section(
             id="interventions", title="Interventions", text=[("No system warned or braked in any of these runs.",)]
         )
     braking = {g: _braking(part) for g, part in groups.items()}
     figure = ecdf(
         "trigger-ttc", "Time to collision at the trigger",
-        {g: some["trigger_ttc_s"].to_numpy(float) for g, some in braking.items()}, looks(data.by_group()),
+        {g: some["trigger_ttc_s"].to_numpy(float) for g, some in braking.items()}, looks(everything),
         label="TTC at the first braking [s]", events="brakings", top=_FAR,
     )  # fmt: skip
     reduction = ecdf(
         "speed-reduction", "Speed taken off",
-        {g: 3.6 * some["speed_reduction_mps"].to_numpy(float) for g, some in braking.items()}, looks(data.by_group()),
+        {g: 3.6 * some["speed_reduction_mps"].to_numpy(float) for g, some in braking.items()}, looks(everything),
         label="speed reduction [km/h]", events="brakings",
     )  # fmt: skip
     table = Table(

@@ -31,18 +31,19 @@ def render(data: Dataset, *, networks: Mapping[str, Path] | None = None, title: 
         networks: scenario, as in `runs`, -> its .net.xml, for the maps.
         title: of the page; empty for one made of the scenarios and systems.
     """
-    matched, judged = matches(data), verdicts.judged(data)
+    groups = data.by_group()
+    matched, judged = matches(data, groups), verdicts.judged(groups)
     extra = {m.group: [*verdicts.card_lines(m.group, judged[m.group]), *traffic.card_lines(m)] for m in matched}
     sections = [
         answer.section(matched, extra, verdicts.figures(judged), data),
         crash_pairs.section(matched),
         verdicts.section(judged),
-        traffic.section(data, matched),
-        crashes.section(data),
-        interventions.section(data),
+        traffic.section(data, groups, matched),
+        crashes.section(data, groups),
+        interventions.section(groups),
         places.section(data, networks or {}),
         definitions.section(verdicts=any(len(some.all) for some in judged.values())),
-        repeat.section(data),
+        repeat.section(data, groups),
     ]
     folder = files(__package__)
     source = {_TEMPLATE: (folder / _TEMPLATE).read_text(encoding="utf-8")}
@@ -51,7 +52,7 @@ def render(data: Dataset, *, networks: Mapping[str, Path] | None = None, title: 
     )
     environment.tests["quantity"] = lambda cell: isinstance(cell, Quantity)
     return environment.get_template(_TEMPLATE).render(
-        title=title or _title(data),
+        title=title or _title(data, groups),
         facts=_facts(data),
         notices=_notices(data, matched),
         sections=[s for s in sections if isinstance(s, Section)],
@@ -61,8 +62,8 @@ def render(data: Dataset, *, networks: Mapping[str, Path] | None = None, title: 
     )
 
 
-def _title(data: Dataset) -> str:
-    systems = [g for g in data.by_group() if not is_baseline(g)]
+def _title(data: Dataset, groups: Mapping[str, Dataset]) -> str:
+    systems = [g for g in groups if not is_baseline(g)]
     scenarios = ", ".join(sorted(Path(s).stem for s in data.runs["scenario"].unique()))
     if not systems:
         return f"{scenarios} without AEB"

@@ -33,12 +33,12 @@ def section(data: Dataset, networks: Mapping[str, Path]) -> Section:
     """
     figures: list[Figure] = []
     missing = []
+    names = data.groups()
     for scenario in sorted(data.runs["scenario"].unique()):
         one = data.only(pd.Index(data.runs.loc[data.runs["scenario"] == scenario, "run_id"]))
         roads = lanes(networks[scenario]) if scenario in networks else None
         if roads is None:
             missing.append(scenario)
-        names = data.groups()
         for group in dict.fromkeys(names[names.index.isin(one.runs["run_id"])]):
             part = one.only(names.index[names == group])
             figures += _maps(f"map-{len(figures)}", scenario, group, part, one, roads)
@@ -136,8 +136,8 @@ def _interventions(axes: Axes, some: pd.DataFrame) -> None:
 def _alt(part: Dataset, roads: Lines | None) -> str:
     c, i, n = len(part.crashes), len(part.interventions), len(part.runs)
     net = f"on the {len(roads)} lanes of the network" if roads else "without the network, which is not known here"
-    text = f"{c} crash{'es' if c != 1 else ''} and {i} intervention{'s' if i != 1 else ''} in {n} run{'s' if n != 1 else ''},"
-    text += f" {net}."
+    text = f"{c} crash{'es' if c != 1 else ''} and {i} intervention{'s' if i != 1 else ''} "
+    text += f"in {n} run{'s' if n != 1 else ''}, {net}."
     points = part.crashes if c else part.interventions
     if len(points):
         x, y = (points[axis].quantile([0.1, 0.9]).to_numpy() for axis in ("x_m", "y_m"))

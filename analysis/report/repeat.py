@@ -1,5 +1,7 @@
 """How the runs can be made again."""
 
+from collections.abc import Mapping
+
 import pandas as pd
 
 from aeb_sumo.results.command import arguments, shell
@@ -12,10 +14,15 @@ __all__ = ["section"]
 _INTERVAL = 60.0  # s, the command's own default
 
 
-def section(data: Dataset) -> Section:
-    """Command lines by group of runs, versions, and every run with its books."""
+def section(data: Dataset, groups: Mapping[str, Dataset]) -> Section:
+    """Command lines by group of runs, versions, and every run with its books.
+
+    Args:
+        data: all runs.
+        groups: `data.by_group()`.
+    """
     code: list[tuple[str, str]] = []
-    for name, part in data.by_group().items():
+    for name, part in groups.items():
         lines: dict[tuple[str, ...], list[int]] = {}
         for run in part.runs.sort_values(["seed", "run_id"]).pipe(records):
             words = [*arguments(run, seed=False), *_verdicts(part), *_interval(part.traffic, run)]

@@ -8,9 +8,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from analysis.load import Dataset
-from analysis.price import traffic_price
 from analysis.report.drawing import canvas, empty, svg
-from analysis.report.intervals import of_row, records
+from analysis.report.intervals import of_row
 from analysis.report.looks import Look, looks
 from analysis.report.matching import Match
 from analysis.report.parts import Cell, Figure, Quantity, Section, Table, Text, number
@@ -37,8 +36,14 @@ def card_lines(match: Match) -> list[tuple[str, Text]]:
     ]
 
 
-def section(data: Dataset, matched: Sequence[Match]) -> Section:
-    """Change of every figure against the baseline, and flow and speed over time."""
+def section(data: Dataset, groups: Mapping[str, Dataset], matched: Sequence[Match]) -> Section:
+    """Change of every figure against the baseline, and flow and speed over time.
+
+    Args:
+        data: all runs.
+        groups: `data.by_group()`.
+        matched: groups with AEB and what they are compared with.
+    """
     rows = [row for match in matched if len(match.pairs) for row in _rows(match)]
     table = Table(
         id="price-table", title="Traffic with AEB against without, same seeds", rows=rows,
@@ -49,13 +54,16 @@ def section(data: Dataset, matched: Sequence[Match]) -> Section:
         "Fieller's.",
     )  # fmt: skip
     return Section(
-        id="traffic", title="What it costs the traffic", figures=_over_time(data), tables=[table] if rows else []
+        id="traffic",
+        title="What it costs the traffic",
+        figures=_over_time(data, groups),
+        tables=[table] if rows else [],
     )
 
 
 def _price(match: Match) -> list[dict[str, Any]]:
     # Crashes have their own table.
-    rows = [row for row in records(traffic_price(match.both)) if row["figure"] != "crashes"]
+    rows = [row for row in match.price if row["figure"] != "crashes"]
     return [row | {"unit": _UNITS.get(row["unit"], row["unit"])} for row in rows]
 
 
@@ -70,12 +78,12 @@ def _rows(match: Match) -> list[list[Cell]]:
     return rows
 
 
-def _over_time(data: Dataset) -> list[Figure]:
+def _over_time(data: Dataset, groups: Mapping[str, Dataset]) -> list[Figure]:
     """Mean over the runs of each interval, with its interval."""
     known = data.only(pd.Index(data.traffic["run_id"].unique()))
     table = throughput_over_time(known) if len(known.runs) else pd.DataFrame()
-    groups = {str(name): part.droplevel(0) for name, part in table.groupby(level=0, sort=False)} if len(table) else {}
-    return [_course(name, title, label, unit, looks(data.by_group()), groups) for name, title, label, unit in _TIME]
+    parts = {str(name): part.droplevel(0) for name, part in table.groupby(level=0, sort=False)} if len(table) else {}
+    return [_course(name, title, label, unit, looks(groups), parts) for name, title, label, unit in _TIME]
 
 
 def _course(

@@ -43,10 +43,10 @@ class Judged:
         return share(key, self.known["verdict"] == verdict, self.known["seed"], "verdicts")
 
 
-def judged(data: Dataset) -> dict[str, Judged]:
-    """By group of runs with an AEB."""
+def judged(groups: Mapping[str, Dataset]) -> dict[str, Judged]:
+    """Of every group with an AEB."""
     result = {}
-    for name, part in data.by_group().items():
+    for name, part in groups.items():
         if not is_baseline(name):
             told = part.interventions["verdict"].fillna("")
             rows = part.interventions[told != ""]
