@@ -8,7 +8,7 @@ import pandas as pd
 from analysis.load import Dataset
 from analysis.pairs import partners
 from analysis.rates import rate_ratio
-from analysis.statistics import Interval, paired_interval
+from analysis.statistics import POISSON, Interval, paired_interval
 
 __all__ = ["effect", "figures_by_seed", "run_figures"]
 
@@ -119,6 +119,6 @@ def _none_left(base: pd.DataFrame, value: str, runs: float, percent: Interval, c
         confidence=confidence,
     )  # fmt: skip
     return replace(
-        percent, low=-100.0, high=100 * (ratio.high - 1), method="score of two Poisson rates",
+        percent, low=-100.0, high=100 * (ratio.high - 1), method=POISSON,
         note="none left: crashes taken as independent",
     )  # fmt: skip

@@ -1,12 +1,16 @@
 """What became of the crashes of the baseline, counted, with intervals and tests."""
 
+from dataclasses import replace
+
+import numpy as np
 import pandas as pd
 from statsmodels.stats.contingency_tables import mcnemar
 
 from analysis.load import Dataset
 from analysis.pairs import OUTCOMES, pairs, partners
+from analysis.rates import rate_ratio
 from analysis.shares import share_by_seed
-from analysis.statistics import Interval, paired_interval
+from analysis.statistics import POISSON, Interval, caution, paired_interval
 
 __all__ = ["mcnemar_test", "pair_counts"]
 
@@ -52,13 +56,18 @@ def _by_seed(some: pd.DataFrame, seeds: pd.Index) -> pd.Series:
 
 
 def _share(counts: pd.Series, crashes: pd.Series, confidence: float, *, part: bool) -> Interval:
-    if part or not crashes.sum():
+    """In percent of the baseline's crashes; new ones are no part of them, so that there can be more."""
+    total = int(crashes.sum())
+    if part or not total:
         return share_by_seed(counts, crashes, confidence=confidence)
     found = paired_interval(0 * counts, 100 * counts, other_per=crashes, confidence=confidence)
-    return Interval(
-        estimate=found.estimate, low=max(found.low, 0.0), high=found.high, seeds=found.seeds, method=found.method,
-        note=found.note,
-    )  # fmt: skip
+    if len(counts) > 1 and not counts.any():
+        most = rate_ratio(
+            count=0, exposure=1.0, baseline_count=total, baseline_exposure=1.0, confidence=confidence
+        )  # fmt: skip
+        note = "none: crashes taken as independent"
+        return replace(found, low=0.0, high=100 * most.high, method=POISSON, note=note)
+    return replace(found, low=float(np.maximum(found.low, 0.0)), note=found.note or caution(crashes.to_numpy()))
 
 
 def mcnemar_test(data: Dataset, baseline: str = "none") -> pd.DataFrame:

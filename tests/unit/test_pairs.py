@@ -173,6 +173,21 @@ def test_shares_of_several_seeds_have_bounds():
     direct = analysis.share_by_seed([9, 8, 7], [10, 10, 10])
     assert (row["percent"], row["low"], row["high"]) == (direct.estimate, direct.low, direct.high)
     assert 40 < row["low"] < 80 < row["high"] < 98
+    new = analysis.pair_counts(dataset(*runs)).loc[("x", "new")]
+    # Wilson's bound of 0 of 30, as odds: z2 / 30.
+    assert (new["percent"], new["low"], new["high"]) == pytest.approx((0, 0, 100 * 1.959964**2 / 30), rel=1e-5)
+    assert new["note"] == "none: crashes taken as independent"
+
+
+def test_new_crashes_can_be_more_than_there_were_before():
+    runs = []
+    for seed, number in ((1, 2), (2, 3), (3, 4)):
+        new = [crash(f"c{k}", f"d{k}", 10.0 * k, 5.0) for k in range(number)]
+        runs += [("none", seed, [crash("a", "b", 1.0, 5.0)], [], {}), ("x", seed, new, [], {})]
+    row = analysis.pair_counts(dataset(*runs)).loc[("x", "new")]
+    half = 100 * 4.302653 / 3**0.5
+    assert (row["count"], row["percent"], row["low"]) == (9, 300, pytest.approx(300 - half))
+    assert row["high"] == pytest.approx(300 + half)
 
 
 def test_mcnemar_counts_pairs_that_crash_in_one_world_only():
