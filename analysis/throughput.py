@@ -67,7 +67,8 @@ def throughput_over_time(data: Dataset, confidence: float = 0.95) -> pd.DataFram
         # As long as nobody is there, an interval has no row.
         spans = sorted(set(zip(rows["begin_s"], rows["end_s"], strict=True)))
         every = [(run, *each) for run in lasted.index for each in spans if each[1] <= lasted[run] + 1e-3]
-        sums = sums.reindex(pd.MultiIndex.from_tuples(every, names=sums.index.names), fill_value=0.0)
+        index = pd.MultiIndex.from_frame(pd.DataFrame(every, columns=["run_id", *span]))
+        sums = sums.reindex(index, fill_value=0.0)
         length = sums.index.get_level_values("end_s") - sums.index.get_level_values("begin_s")
         figures = pd.DataFrame({"flow_vph": sums["arrived"] / length * 3600})
         some = sums["time_s"].where(sums["time_s"] > 0)

@@ -3,31 +3,32 @@
 A bottleneck is active where a queue stands before it and none behind it (from another source: Daganzo 1997), and what
 leaves the queue then is its capacity after breakdown, the queue discharge flow. It is measured where lanes end:
 
-* A queue *stands* at the end of a lane while there is a queued vehicle (see `aeb_sumo.ledger.queues`) within 300 m of
-  it (our assumption) in every look.
-* A vehicle is *discharged* when it enters the next edge of which not more than half of the vehicles are queued (our
-  assumption). Its *headway* is the time since the one before left the same lane. Both count if the queue has been
+* A queue *stands* before a lane while there are two or more queued vehicles (see `aeb_sumo.ledger.queues`) on a lane
+  that leads to it, within 300 m of that one's end (both our assumption), in every look.
+* A vehicle is *discharged* when it enters a lane on an edge of which not more than half of the vehicles are queued (our
+  assumption). Its *headway* is the time since the one before entered the same lane. Both count if the queue has been
   standing since then.
 
 Discharged vehicles by the sum of their headways is the flow per lane. Red lights count while the queue outlasts them,
-so before a signal it is the capacity of an oversaturated lane and the saturation flow of others. Lanes that end, and
-wrecks in the middle of a lane, are not seen.
+so behind a signal it is the capacity where the queue never clears, and the saturation flow elsewhere. Wrecks in the
+middle of a lane are no bottlenecks here (see `blocked_s`).
 """
 
 import numpy as np
 
 from aeb_sumo.soa import Bools, Ints, fitted
 from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.surroundings import lanes, to_end
+from aeb_sumo.world.surroundings import lanes, next_lanes, to_end
 
 __all__ = ["Bottlenecks"]
 
 _END = 300.0  # m, our assumption
+_QUEUE = 2  # vehicles, our assumption
 _SPILLED = 0.5  # share of the vehicles on an edge, our assumption
 
 
 class Bottlenecks:
-    """Queues at the ends of lanes, and who left them last."""
+    """Lanes with a queue before them, and who entered them last."""
 
     def __init__(self, traffic: Traffic) -> None:
         self._traffic = traffic
@@ -35,7 +36,8 @@ class Bottlenecks:
         self._edges: dict[str, int] = {}
         self._edge_of: list[int] = []  # by lane
         self._lane: Ints = np.zeros(0, np.int64)  # per slot, outside junctions; -1 before the first
-        self._last: dict[int, float] = {}  # lane with a queue -> when somebody left it, if while it stood [s]
+        self._feeders: dict[str, set[int]] = {}  # lane -> those that lead to it
+        self._last: dict[str, float] = {}  # lane with a queue before it -> when somebody entered it last [s]
 
     def depart(self, slot: int) -> None:
         """A vehicle enters."""
@@ -63,23 +65,27 @@ class Bottlenecks:
             slow = np.bincount(on, queued[rows[now >= 0]], len(self._edges))
             spilled = slow > _SPILLED * np.bincount(on, minlength=len(self._edges))
             for k in np.flatnonzero(moved).tolist():
-                lane = int(before[k])
+                lane = names[k]
                 if lane in self._last and not spilled[edge_of[now[k]]]:
                     headways[int(rows[k])] = time - self._last[lane]
                 self._last[lane] = time
-        self._last = {lane: last for lane, last in self._last.items() if lane in standing}
+            fed = self._feeders
+            self._last = {lane: last for lane, last in self._last.items() if not standing.isdisjoint(fed.get(lane, ()))}
         return headways
 
     def _standing(self, slots: Ints) -> set[int]:
-        """Lanes with one of these queued vehicles at their end."""
+        """Lanes with a queue at their end, of these queued vehicles."""
         near = to_end(self._traffic, slots) < _END if len(slots) else np.zeros(0, np.bool_)
-        return set(self._lane[slots[near]].tolist())
+        lanes, count = np.unique(self._lane[slots[near]], return_counts=True)
+        return set(lanes[count >= _QUEUE].tolist())
 
     def _number(self, lane: str) -> int:
         number = self._numbers.get(lane)
         if number is None:
             number = self._numbers[lane] = len(self._numbers)
             edge = lane.rpartition("_")[0]
+            for ahead in next_lanes(lane):
+                self._feeders.setdefault(ahead, set()).add(number)
             self._edge_of.append(self._edges.setdefault(edge, len(self._edges)))
         return number
 

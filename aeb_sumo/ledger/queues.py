@@ -10,7 +10,9 @@ stop.
 * It is *queued* from when it drives at less than half the speed it would drive alone until it drives at more than 70 %
   of it, both our assumption.
 * It is *blocked* from when it is queued and its leads, through queued ones, end in a wreck, until it is not queued any
-  more: who has found a way round the wreck is blocked until he is up to speed again.
+  more: who has found a way round the wreck is blocked until he is up to speed again. Not seen are those who slow down
+  beside a wreck, or for a queue on the lane beside, and those for whom SUMO names no lead within 150 m, as for a wreck
+  across a junction; where there would be a queue anyway, all its delay counts while its leads end in a wreck.
 """
 
 import numpy as np

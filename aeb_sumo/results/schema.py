@@ -323,8 +323,8 @@ _TRAFFIC = _table(
         "discharged",
         "int64",
         "-",
-        "vehicles that left a lane with a queue at its end for an edge that was not full, the queue standing since the "
-        "one before left; sampled once per second",
+        "vehicles that entered a lane with a queue before it and none on it, the queue standing since the one before "
+        "entered; sampled once per second",
     ),
     ("headway_s", "float64", "s", "time since then, sum over them; discharged by headway_s is the capacity per lane"),
 )

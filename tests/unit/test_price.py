@@ -171,3 +171,35 @@ def test_a_run_that_ends_early_has_no_part_in_what_comes_after():
     assert table["seeds"].tolist() == [2, 2, 1, 1]
     assert np.isnan(table["flow_vph_low"].iloc[3])
     assert isinstance(table, pd.DataFrame)
+
+
+def test_a_run_with_nobody_on_the_road_has_nothing_over_time_and_no_price_but_crashes():
+    data = dataset()
+    empty = replace(data, traffic=data.traffic[:0])
+    assert len(analysis.throughput_over_time(empty)) == 0
+    table = analysis.traffic_price(empty)
+    assert figure(table, "flow")["baseline"] == 0
+    assert np.isnan(figure(table, "travel time")["baseline"])
+
+
+def test_compare_prints_the_price_or_says_why_there_is_none(tmp_path):
+    from click.testing import CliRunner
+
+    from aeb_sumo.cli.tables import compare
+    from aeb_sumo.results import write
+
+    def tables(strategy, seed):
+        settings = {"scenario": "s", "begin_s": 0.0, "end_s": 60.0, "strategy": strategy, "seed": seed}
+        row = {"begin_s": 0.0, "end_s": 60.0, "vclass": "passenger", "delay_s": 3600.0 * seed, "distance_m": 1e3}
+        run = {"run_id": f"{strategy}-{seed}"}
+        return Results.of({"runs": [run | settings], "traffic": [run | row | {"time_s": 7200.0}]})
+
+    for folder, other in (("same", 1), ("different", 2)):
+        write(tables("none", 1), tmp_path / folder)
+        write(tables("zhao2025", other), tmp_path / folder)
+    same, different = (CliRunner().invoke(compare, [str(tmp_path / name)]) for name in ("same", "different"))
+    assert "extra delay per avoided crash [h]" in same.stdout
+    assert "no crash avoided" in same.stdout
+    assert "no price for the traffic" in different.stderr
+    assert "seed 2" in different.stderr
+    assert same.exit_code == different.exit_code == 0
