@@ -1,5 +1,6 @@
 """The definitions that the numbers rest on."""
 
+from aeb_sumo.results import VERDICTS
 from analysis.report.parts import Section
 
 __all__ = ["section"]
@@ -28,15 +29,8 @@ _VERDICTS = (
     ("verdict", "When an intervention first acts on the world, the simulated world is forked. In the fork this one "
      "intervention is suppressed and the world runs on for a while, all else being equal, drivers' reactions included. "
      "The verdict compares what happened to the vehicle and those behind it with what happened there."),
-    ("avoided", "A crash in the fork, none as it was."),
-    ("mitigated", "A crash in both, with a lower impact speed or injury risk as it was."),
-    ("precautionary", "No crash in either, but in the fork a near-crash, or a crossing within a second (PET below 1 "
-    "s)."),
-    ("unchanged", "A crash in both, no less severe as it was."),
-    ("unneeded", "Neither crash nor near-crash in the fork."),
-    ("worsened", "A crash in both, a harder one as it was."),
-    ("induced", "A crash as it was, none in the fork: the brake caused it, for instance from behind."),
-    ("unknown", "The fork could not be made or did not come to an end; the reason is in column verdict_reason."),
+    ("precision, recall", "Precision: share of the judged interventions that avoided or mitigated a crash. Recall: "
+     "share avoided of the crashes that vehicles with an AEB would have struck."),
     ("near-crash", "No contact, but braking above 0.5 g at a TTC below 4 s; on a road of friction below 0.56, above "
      "90 % of what it gives."),
 )  # fmt: skip
@@ -48,4 +42,6 @@ def section(*, verdicts: bool) -> Section:
     Args:
         verdicts: also those of verdicts.
     """
-    return Section(id="definitions", title="Definitions", terms=(*_ALWAYS, *_VERDICTS) if verdicts else _ALWAYS)
+    meanings = [(name, f"{meaning[0].upper()}{meaning[1:]}.") for name, meaning in VERDICTS.items()]
+    terms = [*_ALWAYS, *_VERDICTS, *meanings] if verdicts else _ALWAYS
+    return Section(id="definitions", title="Definitions", terms=terms)

@@ -10,6 +10,7 @@ from jinja2 import DictLoader, Environment, StrictUndefined
 from analysis.load import Dataset
 from analysis.report import answer, crash_pairs, crashes, definitions, interventions, places, repeat, traffic, verdicts
 from analysis.report.drawing import SERIES, VERDICTS
+from analysis.report.judged import judged
 from analysis.report.matching import Match, is_baseline, matches
 from analysis.report.parts import Quantity, Section
 from analysis.statistics import FEW_SEEDS
@@ -32,17 +33,17 @@ def render(data: Dataset, *, networks: Mapping[str, Path] | None = None, title: 
         title: of the page; empty for one made of the scenarios and systems.
     """
     groups = data.by_group()
-    matched, judged = matches(data, groups), verdicts.judged(groups)
-    extra = {m.group: [*verdicts.card_lines(m.group, judged[m.group]), *traffic.card_lines(m)] for m in matched}
+    matched, told = matches(data, groups), judged(data, groups)
+    extra = {m.group: [*verdicts.card_lines(m.group, told[m.group]), *traffic.card_lines(m)] for m in matched}
     sections = [
-        answer.section(matched, extra, verdicts.figures(judged), data),
+        answer.section(matched, extra, verdicts.figures(told), data),
         crash_pairs.section(matched),
-        verdicts.section(judged),
+        verdicts.section(told),
         traffic.section(data, groups, matched),
         crashes.section(data, groups),
         interventions.section(groups),
         places.section(data, networks or {}),
-        definitions.section(verdicts=any(len(some.all) for some in judged.values())),
+        definitions.section(verdicts=any(len(some.all) for some in told.values())),
         repeat.section(data, groups),
     ]
     folder = files(__package__)

@@ -1,59 +1,18 @@
 """What would have happened without: the verdicts of the interventions."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from analysis.interventions import equipped_km
-from analysis.load import Dataset
 from analysis.report.drawing import INK, VERDICTS, canvas, empty, svg
-from analysis.report.intervals import per_1000_km, share
-from analysis.report.matching import is_baseline
+from analysis.report.judged import Judged
 from analysis.report.parts import Cell, Figure, Quantity, Section, Table, Text, count, number
 
-__all__ = ["Judged", "card_lines", "figures", "judged", "section"]
+__all__ = ["card_lines", "figures", "section"]
 
 _TITLE = "Was it needed? Verdicts"
-
-
-@dataclass(frozen=True)
-class Judged:
-    """The interventions of a group that have a verdict.
-
-    Attributes:
-        all: their rows, also those whose verdict is unknown.
-        known: rows with a known verdict, and column `seed`.
-        without: interventions that have no verdict.
-        km: distance of the equipped vehicles [km].
-    """
-
-    all: pd.DataFrame
-    known: pd.DataFrame
-    without: int
-    km: float
-
-    def count(self, verdict: str) -> int:
-        """Interventions with this verdict."""
-        return int((self.all["verdict"] == verdict).sum())
-
-    def share(self, key: str, verdict: str) -> Quantity:
-        """Their share of those with a known one."""
-        return share(key, self.known["verdict"] == verdict, self.known["seed"], "verdicts")
-
-
-def judged(groups: Mapping[str, Dataset]) -> dict[str, Judged]:
-    """Of every group with an AEB."""
-    result = {}
-    for name, part in groups.items():
-        if not is_baseline(name):
-            told = part.interventions["verdict"].fillna("")
-            rows = part.interventions[told != ""]
-            known = rows[rows["verdict"] != "unknown"]
-            known = known.assign(seed=known["run_id"].map(part.runs.set_index("run_id")["seed"]))
-            result[name] = Judged(rows, known, int((told == "").sum()), float(equipped_km(part).sum()))
-    return result
 
 
 def card_lines(group: str, some: Judged) -> list[tuple[str, Text]]:
@@ -83,18 +42,24 @@ def section(groups: Mapping[str, Judged]) -> Section | None:
         )
         return Section(id="verdicts", title=_TITLE, text=[(why,)])
     table = Table(
-        id="verdict-table", title="Verdicts", head=("group", "verdict", "interventions", "share", "rate"),
+        id="verdict-table", title="Verdicts", head=("group", "verdict", "interventions", "share", "per 1 000 km"),
         rows=[row for name, some in groups.items() for row in _rows(name, some)],
         note="Share of the interventions with a known verdict; the seed is the cluster, as those of one pile-up depend "
         "on each other (of one seed alone: Wilson's interval). Rate over the distance of the equipped vehicles with "
-        "the exact Poisson interval, which takes interventions as independent; none where only a sample has verdicts.",
+        "the exact Poisson interval, which takes interventions as independent; where only a sample has verdicts, over "
+        "the distance that it stands for.",
     )  # fmt: skip
     text = (
         "When an intervention first acted on the world, by the brake or by a warning that reached the driver, the "
         "simulated world was forked. In the fork this one intervention was suppressed, all else being equal, and the "
         "verdict compares the two.",
     )
-    return Section(id="verdicts", title=_TITLE, text=[text], tables=[table, _by_target(groups), *_unknown(groups)])
+    return Section(
+        id="verdicts",
+        title=_TITLE,
+        text=[text],
+        tables=[table, _quality(groups), _by_target(groups), *_unknown(groups)],
+    )
 
 
 def _rows(group: str, some: Judged) -> list[list[Cell]]:
@@ -102,10 +67,46 @@ def _rows(group: str, some: Judged) -> list[list[Cell]]:
     for verdict in VERDICTS:
         key, seen = f"{group}/verdict/{verdict}", some.count(verdict)
         told: Cell = "–" if verdict == "unknown" else some.share(f"{key}/share", verdict)
-        rate: Cell = "–" if some.without else per_1000_km(f"{key}/rate", seen, some.km)
+        rate: Cell = "–"
+        if row := some.rates.get(verdict):
+            rate = Quantity(key=f"{key}/rate", value=row["per_1000_km"], low=row["low"], high=row["high"])
         rows.append([group, verdict, count(f"{key}/count", seen), told, rate])
     rows.append([group, "no verdict asked for", count(f"{group}/verdict/none/count", some.without), "–", "–"])
     return rows
+
+
+def _quality(groups: Mapping[str, Judged]) -> Table:
+    rows: list[list[Cell]] = []
+    for group, some in groups.items():
+        if some.quality is not None:
+            row, key, known = some.quality, f"{group}/quality", len(some.known)
+            struck = 0 if np.isnan(row["struck"]) else row["struck"]
+            hard = pd.DataFrame(some.passed_on, columns=["judged", "hard"]).sum()
+            sure = Quantity(
+                key=f"{key}/precautionary", value=100 * row["precision_precautionary"], unit="%", n=known, of="verdicts"
+            )
+            rows.append(
+                [
+                    group, _percent(f"{key}/precision", row, "precision", known, "verdicts"), sure,
+                    _percent(f"{key}/recall", row, "recall", some.count("avoided") + struck, "crashes"),
+                    Quantity(key=f"{key}/hard", value=hard["hard"], n=hard["judged"], of="verdicts", whole=True),
+                ]
+            )  # fmt: skip
+    return Table(
+        id="quality", title="Precision and recall", rows=rows,
+        head=("group", "precision", "with precautionary ones", "recall", "hard braking passed on"),
+        note="Wilson's intervals, which take events as independent. Hard braking passed on: interventions with which a "
+        "follower brakes above 0.5 g, and without which none does. Recall is unknown where only a sample is judged.",
+    )  # fmt: skip
+
+
+def _percent(key: str, row: Mapping[str, Any], name: str, n: float, of: str) -> Quantity:
+    value, low, high = (100 * row[column] for column in (name, f"{name}_low", f"{name}_high"))
+    known = not np.isnan(value)
+    return Quantity(
+        key=key, value=value, low=low if known else np.nan, high=high if known else np.nan, n=n if known else 0,
+        of=of if known else "", unit="%",
+    )  # fmt: skip
 
 
 def _by_target(groups: Mapping[str, Judged]) -> Table:
