@@ -42,7 +42,7 @@ def _judged(part: Dataset) -> pd.DataFrame:
 
 def _judged_km(part: Dataset) -> float:
     """Distance driven with an AEB that the verdicts stand for [km]."""
-    every = part.interventions.groupby("run_id")["verdict"].agg(lambda v: (v != "").mean())
+    every = (part.interventions["verdict"] != "").groupby(part.interventions["run_id"]).mean()
     km = part.exposure[part.exposure["equipped"]].groupby("run_id")["distance_m"].sum() / 1000
     return float((km * every.reindex(km.index).fillna(1.0)).sum())
 
