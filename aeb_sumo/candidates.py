@@ -73,23 +73,29 @@ class Candidates:
         ego = egos[self._leads.lead[egos] >= 0]
         pairs = self._ahead(ego, self._leads.lead[ego], self._leads.gap[ego])
         if self._gaze.sees_crossing:
-            pairs = joined(pairs, self._crossing(*self._at_junctions(egos)))
+            ego, other, zone = self._at_junctions(egos)
+            if len(ego):
+                pairs = joined(pairs, self._crossing(ego, other, zone))
             if len(self._traffic.walkers):
                 pairs = joined(pairs, self._crossing(*self._on_foot(egos)))
         return pairs
 
     def again(self, ego: Ints, other: Ints, crossing: Bools) -> Pairs:
         """Pairs that are not candidates any more, as the sensors see them now."""
-        ahead, aside = ~crossing, crossing
+        ahead, aside = (~crossing).nonzero()[0], crossing.nonzero()[0]
         lead, t = other[ahead], self._traffic
-        straight = np.hypot(t.back_x[lead] - t.x[ego[ahead]], t.back_y[lead] - t.y[ego[ahead]])
-        nowhere = np.full((np.count_nonzero(aside), 4), np.nan)
-        pairs = joined(self._ahead(ego[ahead], lead, straight), self._crossing(ego[aside], other[aside], nowhere))
+        rear_x, rear_y = t.rear(lead)
+        straight = np.hypot(rear_x - t.x[ego[ahead]], rear_y - t.y[ego[ahead]])
+        pairs = self._ahead(ego[ahead], lead, straight)
+        if len(aside):
+            nowhere = np.full((len(aside), 4), np.nan)
+            pairs = joined(pairs, self._crossing(ego[aside], other[aside], nowhere))
         pairs.candidate[:] = False
         return pairs
 
     def _ahead(self, ego: Ints, other: Ints, gap: Floats) -> Pairs:
         t, n = self._traffic, len(ego)
+        rear_x, rear_y = t.rear(other)
         view = sees_lead(
             self._suite.reach,
             self._suite.field_of_view,
@@ -97,22 +103,23 @@ class Candidates:
             y=t.y[ego],
             heading=t.heading[ego],
             gap=gap,
-            rear_x=t.back_x[other],
-            rear_y=t.back_y[other],
+            rear_x=rear_x,
+            rear_y=rear_y,
             lead_heading=t.heading[other],
         )
         return Pairs(ego, other, np.zeros(n, np.bool_), gap, view, np.ones(n, np.bool_), np.full((n, 4), np.nan))
 
     def _crossing(self, ego: Ints, other: Ints, zone: Floats) -> Pairs:
         t, n = self._traffic, len(ego)
+        rear_x, rear_y = t.rear(other)
         view, distance = covered(
             self._suite.reach,
             self._suite.field_of_view,
             x=t.x[ego],
             y=t.y[ego],
             heading=t.heading[ego],
-            target_x=(t.x + t.back_x)[other] / 2,
-            target_y=(t.y + t.back_y)[other] / 2,
+            target_x=(t.x[other] + rear_x) / 2,
+            target_y=(t.y[other] + rear_y) / 2,
         )
         view[view] = self._sightlines.visible(ego[view], other[view])
         gap = np.maximum(zone[:, 0], 0.0) if self._gaze is Gaze.PATH else distance
@@ -127,6 +134,8 @@ class Candidates:
     def _at_junctions(self, moving: Ints) -> tuple[Ints, Ints, Floats]:
         """Pairs at junctions: egos, others, (k, 4) distances to where their paths cross, nan where they do not."""
         crossings = self._paths.crossings
+        if self._gaze is Gaze.PATH and not len(crossings.ego):
+            return crossings.ego, crossings.other, crossings.zone
         egos = np.zeros(self._traffic.capacity, np.bool_)
         egos[moving] = True
         to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)

@@ -9,7 +9,7 @@ from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.grip import Grip
 from aeb_sumo.lookout import Lookout, Targets
 from aeb_sumo.perception.suites import Suite
-from aeb_sumo.soa import Bools, Floats, Ints, fitted, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, fitted, joined, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.footpaths import Footpaths
@@ -107,10 +107,10 @@ class Fleet:
         """
         t, dt = self._traffic, self._traffic.dt
         self.fit()
-        off = np.flatnonzero(self.equipped & disabled[: self._capacity])
+        off = (self.equipped & disabled[: self._capacity]).nonzero()[0]
         if len(off):
             self._reset(off)
-        rows = np.flatnonzero(self.equipped & t.here & ~disabled)
+        rows = (self.equipped & t.here & ~disabled).nonzero()[0]
         self.decel[:] = 0.0
         self.demand.phase[:] = Phase.NONE
         self.demand.decel[:] = 0.0
@@ -119,11 +119,15 @@ class Fleet:
             return
         self.grip.step(rows)
         braking = self._last_phase >= Phase.PARTIAL_BRAKE
-        targets = self._lookout.step(rows, braking=braking, time=time)
+        seeing, targets = self._lookout.step(rows, braking=braking, time=time)
         # The strategy only has work where there is a target, or something to end.
-        unfinished = (self._last_phase[rows] > 0) | self._working(rows)
-        busy = (targets.slot >= 0) | unfinished
-        rows, targets = rows[busy], take(targets, busy)
+        unfinished = rows[(self._last_phase[rows] > 0) | self._working(rows)]
+        unfinished = unfinished[~np.isin(unfinished, seeing)] if len(unfinished) else unfinished
+        rows = seeing
+        if len(unfinished):
+            rows = np.append(seeing, unfinished)
+            order = np.argsort(rows)
+            rows, targets = rows[order], take(joined(targets, Targets.none(len(unfinished))), order)
         self._forget_others(rows, targets)
         self._rows, self._targets = rows, targets
         if not len(rows):
@@ -147,18 +151,21 @@ class Fleet:
         now = rows[due]
         if len(now):
             cycle, last = self._strategy.cycle, self._next[now]
-            memory, demand = self._strategy.step(take(self._memory, now), take(percept, due), max(dt, cycle))
+            percept = percept if len(now) == len(rows) else take(percept, due)
+            memory, demand = self._strategy.step(take(self._memory, now), percept, max(dt, cycle))
             put(self._memory, now, memory)
             put(self._held, now, demand)
             self._next[now] = np.where(last < time - cycle - dt / 2, time, last) + cycle
-        put(self.demand, rows, take(self._held, rows))
-        self._last_phase[rows] = self.demand.phase[rows]
-        self._apply_brake(rows, take(self._held, rows))
+        held = take(self._held, rows)
+        put(self.demand, rows, held)
+        self._last_phase[rows] = held.phase
+        self._apply_brake(rows, held)
 
     def _working(self, rows: Ints) -> Bools:
         """Brakes that are on, hold a standing car, or have something on the way to them."""
-        brake = take(self._brake, rows)
-        result: Bools = (brake.decel > _RELEASED) | (brake.pipe > 0).any(1) | (self._hold[rows] > 0)
+        result: Bools = (self._brake.decel[rows] > _RELEASED) | (self._hold[rows] > 0)
+        if self._brake.pipe.shape[1]:
+            result |= (self._brake.pipe[rows] > 0).any(1)
         return result
 
     def _forget_others(self, rows: Ints, targets: Targets) -> None:
@@ -167,16 +174,18 @@ class Fleet:
         Not so for another at the same place, such as the next of several e-bikes: there it goes on braking.
         """
         serial = np.where(targets.slot >= 0, self._traffic.serial[np.maximum(targets.slot, 0)], 0.0)
-        changed = (serial != self._aimed[rows]) & (serial > 0) & (self._aimed[rows] > 0)
+        aimed = self._aimed[rows]
+        changed = (serial != aimed) & (serial > 0) & (aimed > 0)
         other = rows[changed & (targets.gap > self._aimed_gap[rows] + _ELSEWHERE)]
-        put(self._memory, other, self._strategy.init(len(other)))
-        self._next[other] = 0.0
+        if len(other):
+            put(self._memory, other, self._strategy.init(len(other)))
+            self._next[other] = 0.0
         self._aimed[rows], self._aimed_gap[rows] = serial, targets.gap
 
     def _apply_brake(self, rows: Ints, demand: Demand) -> None:
         t, dt, params = self._traffic, self._traffic.dt, self._strategy.brake
         braking = (demand.decel > 0) | self._working(rows)
-        rows, wanted = rows[braking], demand.decel[braking].copy()
+        rows, wanted = rows[braking], demand.decel[braking]
         if not len(rows):
             return
         # Brought to a stop by its AEB, a car is held for a while; its driver then takes over.
@@ -187,7 +196,7 @@ class Fleet:
         put(self._brake, rows, brake)
         decel = np.where(t.speed[rows] > 0, decel, np.where(self._hold[rows] > 0, _HOLDING, 0.0))
         self.decel[rows] = np.where(decel > _RELEASED, decel, 0.0)
-        idle = rows[(self.decel[rows] == 0) & (wanted == 0) & ~(self._brake.pipe[rows] > 0).any(1)]
+        idle = rows[(self.decel[rows] == 0) & (wanted == 0) & ~(brake.pipe > 0).any(1)]
         if len(idle):
             put(self._brake, idle, brake_init(params, len(idle), dt))
 
@@ -204,7 +213,7 @@ class Fleet:
         if self._targets is None or not len(self._rows):
             return []
         t, rows, targets = self._traffic, self._rows, self._targets
-        on = np.flatnonzero((self.demand.phase[rows] > Phase.NONE) | (self.decel[rows] > 0))
+        on = ((self.demand.phase[rows] > Phase.NONE) | (self.decel[rows] > 0)).nonzero()[0]
         if not len(on):
             return []
         slots = rows[on]
@@ -212,17 +221,18 @@ class Fleet:
         first = ttc(gap=gap, closing_speed=closing)
         second = ttc2(gap=gap, closing_speed=closing, closing_accel=t.accel[slots] - targets.accel[on])
         return [
-            (
-                int(slot),
-                Target(
-                    int(targets.slot[k]), bool(targets.crossing[k]), float(gap[i]), float(first[i]), float(second[i]),
-                    float(closing[i]),
-                )
-                if targets.slot[k] >= 0
-                else None,
+            (slot, Target(*what) if what[0] >= 0 else None)
+            for slot, *what in zip(
+                slots.tolist(),
+                targets.slot[on].tolist(),
+                targets.crossing[on].tolist(),
+                gap.tolist(),
+                first.tolist(),
+                second.tolist(),
+                closing.tolist(),
+                strict=True,
             )
-            for i, (slot, k) in enumerate(zip(slots, on, strict=True))
-        ]  # fmt: skip
+        ]
 
     def _reset(self, rows: Ints) -> None:
         n = len(rows)

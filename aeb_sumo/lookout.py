@@ -83,8 +83,8 @@ class Lookout:
         self._absent: Floats = np.zeros(0)
         self._conflict: Floats = np.zeros(0)
 
-    def step(self, rows: Ints, *, braking: Bools, time: float) -> Targets:
-        """The targets of the vehicles in slots `rows` (rising).
+    def step(self, rows: Ints, *, braking: Bools, time: float) -> tuple[Ints, Targets]:
+        """Those of the vehicles in slots `rows` (rising) that have a target: their slots, rising, and their targets.
 
         Args:
             rows: slots of the equipped vehicles.
@@ -103,15 +103,15 @@ class Lookout:
             counts = np.isfinite(rank) & (np.abs(miss) < _NEAR_MISS)
         else:
             judged = pairs.crossing & pairs.candidate
-            dangerous = judged & tracks.watched(self._suite)
-            dangerous[dangerous] = self._in_conflict(
-                pairs, truth, known, braking[pairs.ego] & (conflict >= 0), dangerous
-            )
-            conflict = np.where(judged, self._lasting(conflict, dangerous), conflict)
+            if judged.any():
+                dangerous = judged & tracks.watched(self._suite)
+                locked = braking[pairs.ego] & (conflict >= 0)
+                dangerous[dangerous] = self._in_conflict(pairs, truth, known, locked, dangerous.nonzero()[0])
+                conflict = np.where(judged, self._lasting(conflict, dangerous), conflict)
             counts = ~pairs.crossing | (conflict >= self._suite.persist - self._traffic.dt / 2)
             rank = pairs.gap
         self._pairs, self._tracks, self._conflict = pairs, tracks, conflict
-        return self._chosen(rows, pairs, truth, known, rank, tracks.confirmed & counts & pairs.candidate)
+        return self._chosen(pairs, truth, known, rank, tracks.confirmed & counts & pairs.candidate)
 
     def _numbers(self, pairs: Pairs) -> Ints:
         """One number per pair, which tells it from all others of the run."""
@@ -131,14 +131,17 @@ class Lookout:
         gone = self._absent < self._suite.coast * self._suite.cycle + self._traffic.dt / 2
         gone[at[known]] = False
         if gone.any():
-            late = self._still_there(np.flatnonzero(gone), rows)
+            late = self._still_there(gone.nonzero()[0], rows)
             pairs = joined(pairs, self._candidates.again(last.ego[late], last.other[late], last.crossing[late]))
             serials, at = np.append(serials, self._serials[late]), np.append(at, late)
             known = np.append(known, np.ones(len(late), np.bool_))
-        tracks = track_init(self._suite, self._keys(pairs, ~known), self._traffic.dt)
-        conflict, absent = np.full(len(serials), _NO_CONFLICT), np.zeros(len(serials))
-        put(tracks, known, take(self._tracks, at[known]))
-        conflict[known], absent[known] = self._conflict[at[known]], self._absent[at[known]]
+        if known.all():
+            tracks, conflict, absent = take(self._tracks, at), self._conflict[at], self._absent[at]
+        else:
+            tracks = track_init(self._suite, self._keys(pairs, ~known), self._traffic.dt)
+            conflict, absent = np.full(len(serials), _NO_CONFLICT), np.zeros(len(serials))
+            put(tracks, known, take(self._tracks, at[known]))
+            conflict[known], absent[known] = self._conflict[at[known]], self._absent[at[known]]
         self._serials, self._absent = serials, absent
         return pairs, tracks, conflict
 
@@ -154,35 +157,41 @@ class Lookout:
         keys = np.zeros(len(new), np.uint64)
         if self._suite.sensors:
             ids = self._traffic.ids
-            for k in np.flatnonzero(new).tolist():
+            for k in new.nonzero()[0].tolist():
                 keys[k] = number(self._seed, "sensor", ids[pairs.ego[k]], ids[pairs.other[k]])
         return keys
 
     def _measurable(self, pairs: Pairs) -> Measurable:
         """The truth about the pairs, in the frame of the own front bumper."""
-        t, ego, other = self._traffic, pairs.ego, pairs.other
-        own_cos, own_sin = np.cos(t.heading[ego]), np.sin(t.heading[ego])
-        turned = t.heading[other] - t.heading[ego]
+        t, ego, other, crossing = self._traffic, pairs.ego, pairs.other, pairs.crossing
+        heading, other_heading, accel = t.heading[ego], t.heading[other], t.accel[ego]
+        own_cos, own_sin = np.cos(heading), np.sin(heading)
         # A lead is measured at its rear, crossing traffic at its middle.
-        share = np.where(pairs.crossing, 0.5, 1.0)
-        dx = t.x[other] - share * t.length[other] * np.cos(t.heading[other]) - t.x[ego]
-        dy = t.y[other] - share * t.length[other] * np.sin(t.heading[other]) - t.y[ego]
+        behind = np.where(crossing, 0.5, 1.0) * t.length[other]
+        dx = t.x[other] - behind * np.cos(other_heading) - t.x[ego]
+        dy = t.y[other] - behind * np.sin(other_heading) - t.y[ego]
         ahead, left = dx * own_cos + dy * own_sin, dy * own_cos - dx * own_sin
-        # The part of a lead's rear that is nearest to the own axis is seen.
-        aside = np.where(pairs.crossing, np.abs(left), np.maximum(np.abs(left) - t.width[other] / 2, 0.0))
-        along = np.cos(turned)
+        turned = other_heading - heading
+        along, across = np.cos(turned), np.sin(turned)
+        speed, other_speed, other_accel = t.speed[ego], t.speed[other], t.accel[other]
+        bearing = share = turn = np.zeros(len(ego))  # which ideal suites do not ask for
+        if self._suite.sensors:
+            # The part of a lead's rear that is nearest to the own axis is seen.
+            aside = np.where(crossing, np.abs(left), np.maximum(np.abs(left) - t.width[other] / 2, 0.0))
+            bearing, share = np.arctan2(aside, ahead), self._overlap(pairs)
+            turn = np.where(crossing, heading - t.old_heading[ego], 0.0)
         return Measurable(
             in_view=pairs.in_view,
-            distance=np.where(pairs.crossing, ahead, pairs.gap),
-            closing=t.speed[ego] - t.speed[other] * along,
-            closing_accel=t.accel[ego] - t.accel[other] * along,
+            distance=np.where(crossing, ahead, pairs.gap),
+            closing=speed - other_speed * along,
+            closing_accel=accel - other_accel * along,
             left=left,
-            closing_left=-t.speed[other] * np.sin(turned),
-            closing_left_accel=-t.accel[other] * np.sin(turned),
-            bearing=np.arctan2(aside, ahead),
-            overlap=self._overlap(pairs),
-            own_accel=t.accel[ego],
-            turn=np.where(pairs.crossing, t.heading[ego] - t.old_heading[ego], 0.0),
+            closing_left=-other_speed * across,
+            closing_left_accel=-other_accel * across,
+            bearing=bearing,
+            overlap=share,
+            own_accel=accel,
+            turn=turn,
         )
 
     def _overlap(self, pairs: Pairs) -> Floats:
@@ -209,16 +218,17 @@ class Lookout:
         shrunk = np.where(conflict - dt >= persist - dt / 2, conflict - dt, _NO_CONFLICT)
         return np.where(dangerous, grown, shrunk)
 
-    def _in_conflict(self, pairs: Pairs, truth: Measurable, known: Measurable, locked: Bools, rows: Bools) -> Bools:
+    def _in_conflict(self, pairs: Pairs, truth: Measurable, known: Measurable, locked: Bools, rows: Ints) -> Bools:
         """Which of these `rows` would be at the crossing at the same time, as far as the ego knows.
 
         The other is taken to be on its path as far from where it truly is as the track is along that path.
         """
         t, ego, other = self._traffic, pairs.ego[rows], pairs.other[rows]
-        truth, known = take(truth, rows), take(known, rows)
         turned = t.heading[other] - t.heading[ego]
         along, across = np.cos(turned), np.sin(turned)  # the other's path, in the own frame
-        farther = (known.distance - truth.distance) * along + (known.left - truth.left) * across
+        off = (known.distance - truth.distance)[rows], (known.left - truth.left)[rows]
+        farther = off[0] * along + off[1] * across
+        closing, closing_left = known.closing[rows], known.closing_left[rows]
         to_zone, through_zone, other_to_zone, other_through_zone = pairs.zone[rows].T
         return conflicting(
             Approach(
@@ -228,40 +238,36 @@ class Lookout:
                 length=t.length[ego],
                 other_to_zone=other_to_zone - farther,
                 other_through_zone=other_through_zone - farther,
-                other_speed=(t.speed[ego] - known.closing) * along - known.closing_left * across,
-                other_accel=(t.accel[ego] - known.closing_accel) * along - known.closing_left_accel * across,
+                other_speed=(t.speed[ego] - closing) * along - closing_left * across,
+                other_accel=(t.accel[ego] - known.closing_accel[rows]) * along
+                - known.closing_left_accel[rows] * across,
                 other_length=t.length[other],
                 locked=locked[rows],
             )
         )
 
     def _chosen(
-        self, rows: Ints, pairs: Pairs, truth: Measurable, known: Measurable, rank: Floats, usable: Bools
-    ) -> Targets:
+        self, pairs: Pairs, truth: Measurable, known: Measurable, rank: Floats, usable: Bools
+    ) -> tuple[Ints, Targets]:
         """For each vehicle the usable candidate of the lowest rank; a lead before a crossing one of the same."""
-        t, targets = self._traffic, Targets.none(len(rows))
-        k = np.flatnonzero(usable)
+        t, k = self._traffic, usable.nonzero()[0]
         k = k[np.lexsort((pairs.crossing[k], rank[k], pairs.ego[k]))]
-        k = k[np.unique(pairs.ego[k], return_index=True)[1]]
-        ego, other = pairs.ego[k], pairs.other[k]
+        ego = pairs.ego[k]
+        k = k[np.diff(ego, prepend=-1) > 0]
+        ego, other, crossing = pairs.ego[k], pairs.other[k], pairs.crossing[k]
         # Only a system that knows paths waits for crossing traffic at the crossing, where it stands in the way.
-        waits = pairs.crossing[k] & (self._gaze is Gaze.PATH)
-        error = known.distance[k] - truth.distance[k]
-        ahead = known.distance[k]
-        put(
-            targets,
-            np.searchsorted(rows, ego),
-            Targets(
-                slot=other,
-                crossing=pairs.crossing[k],
-                gap=np.where(waits, np.maximum(pairs.gap[k] + error, 0.0), ahead),
-                speed=np.where(waits, 0.0, t.speed[ego] - known.closing[k]),
-                accel=np.where(waits, 0.0, t.accel[ego] - known.closing_accel[k]),
-                ahead=ahead,
-                left=known.left[k],
-                closing_ahead=known.closing[k],
-                closing_left=known.closing_left[k],
-                vulnerable=t.vulnerable[other],
-            ),
+        waits = crossing & (self._gaze is Gaze.PATH)
+        ahead, closing = known.distance[k], known.closing[k]
+        error = ahead - truth.distance[k]
+        return ego, Targets(
+            slot=other,
+            crossing=crossing,
+            gap=np.where(waits, np.maximum(pairs.gap[k] + error, 0.0), ahead),
+            speed=np.where(waits, 0.0, t.speed[ego] - closing),
+            accel=np.where(waits, 0.0, t.accel[ego] - known.closing_accel[k]),
+            ahead=ahead,
+            left=known.left[k],
+            closing_ahead=closing,
+            closing_left=known.closing_left[k],
+            vulnerable=t.vulnerable[other],
         )
-        return targets

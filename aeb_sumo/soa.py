@@ -1,6 +1,7 @@
 """Structs of arrays: dataclasses whose fields all share their first axis, one row per vehicle."""
 
-from dataclasses import fields, replace
+from dataclasses import fields
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -17,18 +18,31 @@ S = TypeVar("S")
 
 def take(struct: S, rows: Ints | Bools) -> S:
     """A copy of some rows."""
-    return replace(struct, **{f.name: getattr(struct, f.name)[rows] for f in fields(struct)})  # type: ignore[type-var, arg-type]
+    rows = _numbers(rows)
+    return type(struct)(**{name: getattr(struct, name)[rows] for name in _names(type(struct))})
 
 
 def joined(one: S, two: S) -> S:
     """The rows of one, then those of the other."""
-    return replace(one, **{f.name: np.concatenate([getattr(one, f.name), getattr(two, f.name)]) for f in fields(one)})  # type: ignore[type-var, arg-type]
+    names = _names(type(one))
+    return type(one)(**{name: np.concatenate([getattr(one, name), getattr(two, name)]) for name in names})
 
 
 def put(struct: S, rows: Ints | Bools, values: S) -> None:
     """Write `values` into `rows` of `struct`, in place."""
-    for f in fields(struct):  # type: ignore[arg-type]
-        getattr(struct, f.name)[rows] = getattr(values, f.name)
+    rows = _numbers(rows)
+    for name in _names(type(struct)):
+        getattr(struct, name)[rows] = getattr(values, name)
+
+
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    return tuple(f.name for f in fields(kind))
+
+
+def _numbers(rows: Ints | Bools) -> Ints:
+    """Row numbers in place of a mask, which would have to be counted for every array anew."""
+    return rows.nonzero()[0] if rows.dtype == np.bool_ else rows
 
 
 def find(keys: Ints, among: Ints) -> tuple[Ints, Bools]:

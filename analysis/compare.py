@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from aeb_sumo.results import VERDICTS
 from analysis.conflicts import near_crash_ratio
 from analysis.crashes import crash_rates
 from analysis.interventions import equipped_km
@@ -13,6 +14,8 @@ from analysis.load import Dataset
 from analysis.throughput import throughput
 
 __all__ = ["compare", "summary"]
+
+_SECTIONS = ("runs", "crashes", "conflicts", "interventions", "verdicts", "traffic", "checks")
 
 
 def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
@@ -58,6 +61,9 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     figures["interventions", "median TTC at braking", "s"] = ttc.median()
     figures["interventions", "mean peak deceleration", "m/s²"] = braking["max_decel_mps2"].mean()
     figures["interventions", "mean speed reduction", "km/h"] = braking["speed_reduction_mps"].mean() * 3.6
+    verdicts = interventions.loc[interventions["verdict"].isin(VERDICTS), "verdict"].value_counts()
+    figures["verdicts", "interventions with a verdict", ""] = verdicts.sum()
+    figures |= {("verdicts", f"  {verdict}", ""): verdicts[verdict] for verdict in VERDICTS if verdict in verdicts}
     figures |= {("traffic", *figure): value for figure, value in _traffic(part).items()}
     figures["checks", "SUMO's own collisions", ""] = runs["sumo_collisions"].sum()
     figures["checks", "  also counted here", ""] = runs["confirmed_by_sumo"].sum()
@@ -99,9 +105,8 @@ def _per_1000_km(count: int, km: float) -> float:
 def _side_by_side(groups: Mapping[str, Dataset]) -> pd.DataFrame:
     columns = {name: pd.Series(_figures(part), dtype=float) for name, part in groups.items()}
     # Not every group has every kind of crash: keep the order of sections and figures as they come.
-    order = dict.fromkeys(key for section in ("runs", "crashes", "conflicts", "interventions", "traffic", "checks")
-                          for column in columns.values() for key in column.index if key[0] == section
-                          and not key[1].startswith("  "))  # fmt: skip
+    order = dict.fromkeys(key for section in _SECTIONS for column in columns.values() for key in column.index
+                          if key[0] == section and not key[1].startswith("  "))  # fmt: skip
     rows = []
     for key in order:
         rows.append(key)

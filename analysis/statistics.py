@@ -60,10 +60,10 @@ def paired_interval(
     Fieller's interval of ratios covers 95 to 99 % and is without end for half of the samples of 3 seeds.
 
     Measured coverage of the 95 % interval: 93 to 97 % from 4 seeds on for figures that vary evenly, crashes in clusters
-    and risks; up to 98.5 % where seeds have two crashes or less; differences of 3 seeds, 91 to 97 %. Where fewer than
+    and risks; up to 98.5 % where seeds have two crashes or less; differences of 3 seeds, 91 to 98 %. Where fewer than
     one pile-up per seed makes up all the crashes it is too narrow, as no interval knows of a pile-up that none of its
-    seeds has seen: 82 / 84 % (difference / percent) with 3 seeds, 93 / 89 % with 10, 95 / 92 % with 20. `note` says
-    where to be careful.
+    seeds has seen: 82 to 94 / 84 to 90 % (difference / percent) with 3 to 6 seeds, 91 to 93 / 89 to 90 % with 10, 94
+    to 95 / 92 % with 20, 96 to 97 / 94 % with 40. `note` says where to be careful.
 
     Args:
         baseline: the figure in the baseline, one value per seed (n,).

@@ -1,7 +1,7 @@
 """Verdicts: how many interventions were needed, how many were false, and what they passed on to those behind.
 
-Where a run judged a sample of its interventions only, rates are those of the sample by the share of the distance that it
-stands for. Unknown verdicts are counted as such and belong to no rate.
+Where a run judged a sample of its interventions only, rates are those of the sample by the share of the distance that
+it stands for. Unknown verdicts are counted as such and belong to no rate.
 """
 
 from collections.abc import Sequence
@@ -19,6 +19,7 @@ __all__ = ["passed_on", "precision_recall", "verdict_counts", "verdict_rates"]
 _USEFUL = ("avoided", "mitigated")
 _HARMFUL = ("induced", "worsened")
 _KNOWN = [v for v in VERDICTS if v != "unknown"]
+# Column of `interventions` -> that of `crashes` that says the same of a striker with an AEB.
 _CRASHES = {
     "strategy": "striker_strategy",
     "target_vclass": "struck_vclass",
@@ -36,13 +37,13 @@ def _place(lanes: pd.Series) -> pd.Series:
 
 def _judged(part: Dataset) -> pd.DataFrame:
     """Interventions with a verdict, and the column `place`."""
-    judged = part.interventions[part.interventions["verdict"] != ""]
+    judged = part.interventions[part.interventions["verdict"].isin(VERDICTS)]
     return judged.assign(place=_place(judged["lane"]))
 
 
 def _judged_km(part: Dataset) -> float:
     """Distance driven with an AEB that the verdicts stand for [km]."""
-    every = (part.interventions["verdict"] != "").groupby(part.interventions["run_id"]).mean()
+    every = part.interventions["verdict"].isin(VERDICTS).groupby(part.interventions["run_id"]).mean()
     km = part.exposure[part.exposure["equipped"]].groupby("run_id")["distance_m"].sum() / 1000
     return float((km * every.reindex(km.index).fillna(1.0)).sum())
 
@@ -109,7 +110,7 @@ def precision_recall(data: Dataset, by: str | None = None, confidence: float = 0
         struck = part.crashes[part.crashes["striker_equipped"].astype(bool)]
         struck = struck.assign(place=_place(struck["lane"]))
         values = [None] if by is None else sorted({*judged[by], *(struck[_CRASHES[by]] if by in _CRASHES else ())})
-        sampled = (part.interventions["verdict"] == "").any()
+        sampled = len(judged) < len(part.interventions)
         for value in values:
             own = judged if by is None else judged[judged[by] == value]
             hit = struck if by is None or by not in _CRASHES else struck[struck[_CRASHES[by]] == value]

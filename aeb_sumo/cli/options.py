@@ -7,10 +7,12 @@ from typing import Any, TypeVar
 
 import click
 
+from aeb_sumo import results as store
+from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import parse, read_file
 from aeb_sumo.perception.suites import SUITES, suite
 
-__all__ = ["scenario_options", "system_options"]
+__all__ = ["new_folder", "scenario_options", "system_options"]
 
 C = TypeVar("C", bound=Callable[..., Any])
 
@@ -55,3 +57,15 @@ def scenario_options(command: C) -> C:
         return command(*args, variation=variation, **options)
 
     return with_variation  # type: ignore[return-value]
+
+
+def new_folder(name: str) -> Path:
+    """The folder for the tables, which must not hold any yet."""
+    folder = Path(name)
+    if not name.strip():
+        raise InputError("--out is empty; name a new or empty folder")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"--out {name} is a file, not a folder")
+    if store.holds_results(folder):
+        raise InputError(f"--out {name} already holds results; name a new or empty folder")
+    return folder

@@ -16,7 +16,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 import analysis
 from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
-from aeb_sumo.cli.options import scenario_options, system_options
+from aeb_sumo.cli.options import new_folder, scenario_options, system_options
 from aeb_sumo.cli.show import print_summary
 from aeb_sumo.drivers import profile
 from aeb_sumo.equipment import Equipment, equipment
@@ -88,7 +88,7 @@ def run(
         )
     if compare and not carried.systems:
         raise InputError("--compare needs a --strategy other than none, which is what it compares with")
-    folder = None if out is None else _new_folder(out)
+    folder = None if out is None else new_folder(out)
     console = Console(stderr=True)
     done: list[Results] = []
     with _interruptible() as stop:
@@ -117,18 +117,6 @@ def _scenario(name: str | None, sumocfg: Path | None) -> scenarios.Scenario:
     if (name is None) == (sumocfg is None):
         raise InputError(f"give one of SCENARIO ({', '.join(scenarios.names())}) and --sumocfg FILE")
     return scenarios.from_sumocfg(sumocfg) if sumocfg is not None else scenarios.load(str(name))
-
-
-def _new_folder(name: str) -> Path:
-    """The folder for the tables, which must not hold any yet."""
-    folder = Path(name)
-    if not name.strip():
-        raise InputError("--out is empty; name a new or empty folder")
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"--out {name} is a file, not a folder")
-    if store.holds_results(folder):
-        raise InputError(f"--out {name} already holds results; name a new or empty folder")
-    return folder
 
 
 @contextmanager

@@ -28,6 +28,11 @@ def compare(folder: Path, other: Path | None) -> int:
     for name, each in data.items():
         if len(each.interventions):
             print_frame(analysis.intervention_statistics(each), f"{name}: interventions")
+        quality = analysis.precision_recall(each)
+        if len(quality):
+            print_frame(quality, f"{name}: how many interventions were needed, how many crashes avoided")
+            print_frame(analysis.verdict_rates(each), f"{name}: verdicts per 1,000 km")
+            print_frame(analysis.passed_on(each), f"{name}: hard braking passed on to those behind")
         if {"none"} < set(each.by_group()):
             print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
             try:

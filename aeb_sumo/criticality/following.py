@@ -8,13 +8,19 @@ from aeb_sumo.soa import Floats
 __all__ = ["drac", "required_decel", "thw", "ttc", "ttc2"]
 
 
+def _together(*values: ArrayLike) -> tuple[Floats, ...]:
+    """As arrays of one shape, which they mostly have."""
+    arrays = tuple(np.asarray(q, float) for q in values)
+    return arrays if len({q.shape for q in arrays}) == 1 else np.broadcast_arrays(*arrays)
+
+
 def ttc(*, gap: ArrayLike, closing_speed: ArrayLike) -> Floats:
     """Time to collision at constant speeds [s].
 
     0 for `gap <= 0` (contact), `inf` when the gap does not shrink.
     Source: Hayward 1972; Zhao et al. 2025, eq. 1.
     """
-    gap, closing_speed = np.broadcast_arrays(np.asarray(gap, float), np.asarray(closing_speed, float))
+    gap, closing_speed = _together(gap, closing_speed)
     time = np.full(gap.shape, np.inf)
     with np.errstate(over="ignore"):  # as good as never
         np.divide(gap, closing_speed, out=time, where=closing_speed > 0)
@@ -29,7 +35,7 @@ def ttc2(*, gap: ArrayLike, closing_speed: ArrayLike, closing_accel: ArrayLike) 
     Source: Zhao et al. 2025, Table 1. Its rows leave out `v < 0, a > 0` (opening now, closing later); the same root is
     used there.
     """
-    gap, v, a = np.broadcast_arrays(*(np.asarray(q, float) for q in (gap, closing_speed, closing_accel)))
+    gap, v, a = _together(gap, closing_speed, closing_accel)
     far = np.isinf(gap)  # nothing ahead
     d = np.where(far, 1.0, gap)
     discriminant = v * v + 2 * a * d
@@ -57,7 +63,7 @@ def drac(*, gap: ArrayLike, closing_speed: ArrayLike) -> Floats:
     `closing_speed^2 / (2 gap)`. 0 when the gap does not shrink, `inf` for `gap <= 0`.
     Source: Cooper and Ferguson 1976; Almqvist et al. 1991. Some print it without the 2, which is no kinematics.
     """
-    gap, closing_speed = np.broadcast_arrays(np.asarray(gap, float), np.asarray(closing_speed, float))
+    gap, closing_speed = _together(gap, closing_speed)
     rate = np.zeros(gap.shape)
     with np.errstate(over="ignore"):
         np.divide(closing_speed**2, 2 * gap, out=rate, where=(closing_speed > 0) & (gap > 0))
@@ -78,7 +84,7 @@ def required_decel(*, gap: ArrayLike, speed: ArrayLike, lead_speed: ArrayLike, l
         lead_speed: >= 0 [m/s].
         lead_accel: signed, negative for a lead that brakes [m/s2].
     """
-    g, v, w, a = np.broadcast_arrays(*(np.asarray(q, float) for q in (gap, speed, lead_speed, lead_accel)))
+    g, v, w, a = _together(gap, speed, lead_speed, lead_accel)
     closing, brakes, near = v - w, a < 0, (g > 0) & np.isfinite(g)
     moving = np.maximum(drac(gap=g, closing_speed=closing) - a, 0.0)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):

@@ -5,9 +5,9 @@ the state of traffic change no draw. Whether a drawn glance takes place depends 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from scipy.stats import norm
@@ -121,15 +121,16 @@ class Robots:
 Kind = HardBraking | Glances | Robots
 
 
-@dataclass(order=True)
-class _Event:
+class _Event(NamedTuple):
+    """Compared by its first two, which are never the same: plain tuples are compared fast."""
+
     time: float
     order: int
-    slot: int = field(compare=False)
-    vehicle: str = field(compare=False)
-    kind: int = field(compare=False)
-    lapse: Lapse = field(compare=False)
-    starts: bool = field(compare=False)
+    slot: int
+    vehicle: str
+    kind: int
+    lapse: Lapse
+    starts: bool
 
 
 class Lapses:
@@ -192,7 +193,7 @@ class Lapses:
                 (self.looked_away if event.starts else self.looked_back).append(event.slot)
             if event.starts:
                 self.accel[event.slot, event.kind] = event.lapse.accel
-                self._push(event.lapse.end, event, starts=False)
+                self._push(event._replace(time=event.lapse.end, starts=False))
             else:
                 self._next(event.slot, event.vehicle, event.kind)
 
@@ -206,9 +207,8 @@ class Lapses:
             return
         begin = self._departed[vehicle]
         lapse = Lapse(begin + lapse.start, begin + lapse.end, lapse.accel)
-        event = _Event(lapse.start, 0, slot, vehicle, kind, lapse, True)
-        self._push(lapse.start, event, starts=True)
+        self._push(_Event(lapse.start, 0, slot, vehicle, kind, lapse, True))
 
-    def _push(self, time: float, event: _Event, *, starts: bool) -> None:
+    def _push(self, event: _Event) -> None:
         self._count += 1
-        heappush(self._heap, _Event(time, self._count, event.slot, event.vehicle, event.kind, event.lapse, starts))
+        heappush(self._heap, event._replace(order=self._count))

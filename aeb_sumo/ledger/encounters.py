@@ -64,22 +64,18 @@ def following(t: Traffic, leads: Leads, wrecked: Bools) -> Pairs:
     """
     ego = t.present[(leads.lead[t.present] >= 0) & ~wrecked[t.present]]
     lead = leads.lead[ego]
-    nears = (t.speed[ego] > t.speed[lead]) | (t.old_speed[ego] > t.old_speed[lead])
+    nears = ((t.speed[ego] > t.speed[lead]) | (t.old_speed[ego] > t.old_speed[lead])).nonzero()[0]
     ego, lead = ego[nears], lead[nears]
-    gap, heading, lead_heading = leads.gap[ego], t.heading[ego], t.heading[lead]
-    rear_x = t.x[lead] - t.length[lead] * np.cos(lead_heading)
-    rear_y = t.y[lead] - t.length[lead] * np.sin(lead_heading)
-    dx, dy = rear_x - t.x[ego], rear_y - t.y[ego]
-    along = heading + ((lead_heading - heading + np.pi) % (2 * np.pi) - np.pi) / 2
+    gap, heading = leads.gap[ego], t.heading[ego]
+    rear_x, rear_y = t.rear(lead)
+    dx, dy, turned = rear_x - t.x[ego], rear_y - t.y[ego], t.heading[lead] - heading
+    along = heading + ((turned + np.pi) % (2 * np.pi) - np.pi) / 2
     aside = np.abs(dy * np.cos(along) - dx * np.sin(along))
-    k = np.flatnonzero(
-        truly_ahead(
-            x=t.x[ego], y=t.y[ego], heading=heading, gap=gap, rear_x=rear_x, rear_y=rear_y, lead_heading=lead_heading
-        )
-        & (aside < (t.width[ego] + t.width[lead]) / 2 + _ASIDE * np.maximum(gap, 0.0))
-    )
+    there = truly_ahead(distance=np.hypot(dx, dy), gap=gap, turned=turned)
+    k = (there & (aside < (t.width[ego] + t.width[lead]) / 2 + _ASIDE * np.maximum(gap, 0.0))).nonzero()[0]
     ego, lead, gap = ego[k], lead[k], gap[k]
-    slots, speed, lead_speed, lead_accel = np.column_stack([ego, lead]), t.speed[ego], t.speed[lead], t.accel[lead]
+    slots = np.array([ego, lead]).T
+    speed, lead_speed, lead_accel = t.speed[ego], t.speed[lead], t.accel[lead]
     closing = speed - lead_speed
     time = ttc(gap=gap, closing_speed=closing)
     return Pairs(
@@ -103,15 +99,15 @@ def crossing(t: Traffic, crossings: Crossings, wrecked: Bools) -> Pairs:
     """
     a, b, zone = crossings.ego, crossings.other, crossings.zone
     pace_a, pace_b = np.maximum(t.speed[a], _CREEP), np.maximum(t.speed[b], _CREEP)
-    k = np.flatnonzero(
+    k = (
         (t.serial[a] < t.serial[b])
         & (zone[:, 0] < _SOON * pace_a)
         & (zone[:, 2] < _SOON * pace_b)
         & (zone[:, 1] + t.length[a] > 0)
         & (zone[:, 3] + t.length[b] > 0)
         & ~(wrecked[a] & wrecked[b])
-    )
-    slots, zone = np.column_stack([a[k], b[k]]), zone[k]
+    ).nonzero()[0]
+    slots, zone = np.array([a[k], b[k]]).T, zone[k]
     to_zone, out = zone[:, ::2], zone[:, 1::2] + t.length[slots]
     speed, accel = t.speed[slots], t.accel[slots]
     enter, leave = ttc(gap=to_zone, closing_speed=speed), ttc(gap=out, closing_speed=speed)

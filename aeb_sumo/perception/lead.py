@@ -40,14 +40,15 @@ def sees_lead(
     """
     seen, distance = covered(reach, field_of_view, x=x, y=y, heading=heading, target_x=rear_x, target_y=rear_y)
     touching = distance < 2.0  # bumper to bumper the bearing means nothing
-    ahead = truly_ahead(x=x, y=y, heading=heading, gap=gap, rear_x=rear_x, rear_y=rear_y, lead_heading=lead_heading)
-    return (seen | touching) & ahead
+    return (seen | touching) & truly_ahead(distance=distance, gap=gap, turned=lead_heading - heading)
 
 
-def truly_ahead(
-    *, x: Floats, y: Floats, heading: Floats, gap: Floats, rear_x: Floats, rear_y: Floats, lead_heading: Floats
-) -> Bools:
-    """Whether a lead that SUMO names goes the same way and is where its gap says; arguments as in `sees_lead`."""
-    distance = np.hypot(rear_x - x, rear_y - y)
-    same_way = np.cos(lead_heading - heading) > 0.5
-    return same_way & (distance <= gap + 1.5) & (distance >= 0.85 * gap - 1.5)
+def truly_ahead(*, distance: Floats, gap: Floats, turned: Floats) -> Bools:
+    """Whether a lead that SUMO names goes the same way and is where its gap says.
+
+    Args:
+        distance: (n,) straight, to its rear bumper [m].
+        gap: (n,) as in `sees_lead` [m].
+        turned: (n,) its heading less the ego's [rad].
+    """
+    return (np.cos(turned) > 0.5) & (distance <= gap + 1.5) & (distance >= 0.85 * gap - 1.5)

@@ -1,6 +1,7 @@
 """What single sensors cover, and with what probability they detect a target in one frame."""
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -62,8 +63,14 @@ def covered(
     dx, dy = target_x - x, target_y - y
     distance = np.hypot(dx, dy)
     ahead = dx * np.cos(heading) + dy * np.sin(heading)
-    inside = ahead >= distance * np.cos(np.radians(field_of_view / 2))
+    inside = ahead >= distance * _cosine_of_half(field_of_view)
     return inside & (distance <= reach), distance
+
+
+@cache
+def _cosine_of_half(angle: float) -> float:
+    """Of an angle [deg]."""
+    return float(np.cos(np.radians(angle / 2)))
 
 
 def overlap(*, left: Floats, width: Floats, target_width: Floats) -> Floats:

@@ -17,7 +17,7 @@ import numpy as np
 from aeb_sumo.criticality import ttc2
 from aeb_sumo.fuzzy import RuleBase, Surface
 from aeb_sumo.parameters import within
-from aeb_sumo.soa import Bools, Floats, Ints
+from aeb_sumo.soa import Bools, Floats, Ints, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.units import KMH, G, to_kmh
 from aeb_sumo.vehicle.brake import BrakeParams
@@ -130,6 +130,7 @@ class Zhao2025(Strategy):
 
     def init(self, n: int) -> Zhao2025State:
         """See `Strategy.init`."""
+        _surface()  # ready before the first step
         return Zhao2025State(np.zeros(n, np.int64), np.full(n, self.ttc_slow), np.full(n, self.omega_slow))
 
     def max_decel(self, mu: Floats) -> Floats:
@@ -182,24 +183,22 @@ class Zhao2025(Strategy):
 
         was_braking = state.phase >= Phase.PARTIAL_BRAKE
         warning = alive & (time <= np.where(idle, ttc_threshold, ttc_threshold + self.ttc_release))
-        s_b = self.braking_distance(percept)
-        # Braking goes on until the closing speed is gone (seeds 1.4); it starts only out of a warning.
-        braking = alive & (closing > 0) & (was_braking | (warning & (percept.gap <= s_b)))
-        release = np.where(state.phase == Phase.FULL_BRAKE, self.omega_release, 0.0)
-        full = braking & (self.omega(percept, s_b) <= omega_threshold + release)
-
-        phase = np.select([full, braking, warning], [Phase.FULL_BRAKE, Phase.PARTIAL_BRAKE, Phase.WARN], Phase.NONE)
-        limit = self.max_decel(percept.mu)
-        decel = np.zeros(len(phase))
-        rows = np.flatnonzero(braking)
+        phase, decel = np.where(warning, int(Phase.WARN), int(Phase.NONE)), np.zeros(len(warning))
+        # Few get any further. Braking goes on until the closing speed is gone (seeds 1.4); it starts only out of a
+        # warning.
+        rows = ((warning | was_braking) & alive & (closing > 0)).nonzero()[0]
         if len(rows):
-            fuzzy = np.minimum(_surface()(to_kmh(closing[rows]), percept.gap[rows]), limit[rows])
-            fuzzy = np.where((percept.gap[rows] > s_b[rows]) & (fuzzy < self.dead_band), 0.0, fuzzy)
-            decel[rows] = np.where(full[rows], limit[rows], fuzzy)
-        return (
-            Zhao2025State(phase.astype(np.int64), ttc_threshold, omega_threshold),
-            Demand(phase=phase.astype(np.int64), decel=decel),
-        )
+            few = take(percept, rows)
+            s_b = self.braking_distance(few)
+            braking = was_braking[rows] | (few.gap <= s_b)
+            release = np.where(state.phase[rows] == Phase.FULL_BRAKE, self.omega_release, 0.0)
+            full = braking & (self.omega(few, s_b) <= omega_threshold[rows] + release)
+            limit = self.max_decel(few.mu)
+            fuzzy = np.minimum(_surface()(to_kmh(closing[rows]), few.gap), limit)
+            fuzzy = np.where((few.gap > s_b) & (fuzzy < self.dead_band), 0.0, fuzzy)
+            decel[rows] = np.where(full, limit, np.where(braking, fuzzy, 0.0))
+            phase[rows] = np.select([full, braking], [Phase.FULL_BRAKE, Phase.PARTIAL_BRAKE], phase[rows])
+        return Zhao2025State(phase, ttc_threshold, omega_threshold), Demand(phase=phase, decel=decel)
 
 
 STRATEGY = Zhao2025

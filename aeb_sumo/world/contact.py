@@ -7,9 +7,8 @@ A crash is a contact: the boxes of two vehicles touch while they approach each o
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from aeb_sumo.soa import Bools, Floats, Ints
+from aeb_sumo.soa import Bools, Floats, Ints, take
 from aeb_sumo.world.observe import Traffic
 
 __all__ = ["Boxes", "Impact", "distance", "impact", "separation", "touching"]
@@ -50,18 +49,17 @@ class Boxes:
 
 
 def _axes_gaps(a: Boxes, b: Boxes) -> Floats:
-    """(n, 4) gap along each box's two axes (a forward, a left, b forward, b left); all negative means overlap."""
+    """(4, n) gap along each box's two axes (a forward, a left, b forward, b left); all negative means overlap."""
     dx, dy = b.cx - a.cx, b.cy - a.cy
     cos = np.abs(a.ux * b.ux + a.uy * b.uy)
     sin = np.abs(a.ux * b.uy - a.uy * b.ux)
-    return np.stack(
+    return np.array(
         [
             np.abs(dx * a.ux + dy * a.uy) - (a.half_length + b.half_length * cos + b.half_width * sin),
             np.abs(dy * a.ux - dx * a.uy) - (a.half_width + b.half_length * sin + b.half_width * cos),
             np.abs(dx * b.ux + dy * b.uy) - (b.half_length + a.half_length * cos + a.half_width * sin),
             np.abs(dy * b.ux - dx * b.uy) - (b.half_width + a.half_length * sin + a.half_width * cos),
-        ],
-        -1,
+        ]
     )
 
 
@@ -71,7 +69,7 @@ def separation(a: Boxes, b: Boxes) -> Floats:
     By the separating-axis theorem they overlap if and only if it is negative; its magnitude is then the smallest
     penetration. When positive it is a lower bound of the distance (exact face to face).
     """
-    gaps: Floats = _axes_gaps(a, b).max(-1)
+    gaps: Floats = _axes_gaps(a, b).max(0)
     return gaps
 
 
@@ -83,11 +81,14 @@ def distance(a: Boxes, b: Boxes) -> Floats:
 
 def _corners_to_sides(corners: Floats, other: Floats) -> Floats:
     """Smallest distance from any of the corners (n, 4, 2) to any side of the other box, (n,) [m]."""
-    start = other[:, None, :, :]
-    side = np.roll(other, -1, axis=1)[:, None, :, :] - start
-    to = corners[:, :, None, :] - start
-    share = np.clip((to * side).sum(-1) / (side**2).sum(-1), 0.0, 1.0)
-    result: Floats = np.sqrt(((to - share[..., None] * side) ** 2).sum(-1)).min(axis=(1, 2))
+    (x, y), (start_x, start_y) = (np.moveaxis(c, -1, 0) for c in (corners, other))
+    side_x, side_y = (np.concatenate([q[:, 1:], q[:, :1]], 1) - q for q in (start_x, start_y))
+    to_x, to_y = x[:, :, None] - start_x[:, None, :], y[:, :, None] - start_y[:, None, :]
+    side_x, side_y = side_x[:, None, :], side_y[:, None, :]
+    share = (to_x * side_x + to_y * side_y) / (side_x**2 + side_y**2)
+    share = np.minimum(np.maximum(share, 0.0), 1.0)
+    off_x, off_y = to_x - share * side_x, to_y - share * side_y
+    result: Floats = np.sqrt((off_x**2 + off_y**2).min(axis=(1, 2)))
     return result
 
 
@@ -116,20 +117,33 @@ def jumped(t: Traffic, slots: Ints) -> Bools:
     return result
 
 
-def _may_have_touched(t: Traffic, a: Ints, b: Ints) -> Bools:
-    """Pairs that may have touched during the step.
+def _within_reach(x: Floats, y: Floats, reach: Floats) -> tuple[Ints, Ints]:
+    """Pairs, as rows, of those at (x, y) that are no farther apart than both their reaches [m]."""
+    along = x if np.ptp(x) >= np.ptp(y) else y
+    order = np.argsort(along)
+    line = along[order]
+    # Per row in order: how many of those behind it on the line are near enough on the line.
+    many = np.searchsorted(line, line + 2 * reach.max(), side="right") - np.arange(1, len(line) + 1)
+    first = np.repeat(np.arange(len(line)), many)
+    second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(many) - many, many)
+    i, j = order[first], order[second]
+    dx, dy, reach = x[i] - x[j], y[i] - y[j], reach[i] + reach[j]
+    near = (dx * dx + dy * dy <= reach * reach).nonzero()[0]
+    return i[near], j[near]
 
-    They touch at its end, or their relative motion along the axis that parts them then was longer than the gap left.
+
+def _may_have_touched(a: Boxes, b: Boxes, *, dx: Floats, dy: Floats, turned: Floats) -> Bools:
+    """Which boxes, where they are at the end of the step, may have touched during it.
+
+    They touch at its end, or their relative motion (dx, dy) along the axis that parts them then, and what their turning
+    moved their ends [m], was longer than the gap left.
     """
-    one, two = _boxes_at(t, a, 1.0), _boxes_at(t, b, 1.0)
-    gaps = _axes_gaps(one, two)
-    axis = gaps.argmax(-1)
-    ux, uy = np.where(axis < 2, one.ux, two.ux), np.where(axis < 2, one.uy, two.uy)
-    nx, ny = np.where(axis % 2 == 0, ux, -uy), np.where(axis % 2 == 0, uy, ux)
-    dx = (t.x[a] - t.old_x[a]) - (t.x[b] - t.old_x[b])
-    dy = (t.y[a] - t.old_y[a]) - (t.y[b] - t.old_y[b])
-    turned = np.abs(np.sin(t.heading[a] - t.old_heading[a])) + np.abs(np.sin(t.heading[b] - t.old_heading[b]))
-    result: Bools = gaps.max(-1) < np.abs(dx * nx + dy * ny) + turned * (t.length[a] + t.length[b])
+    gaps = _axes_gaps(a, b)
+    axis = gaps.argmax(0)
+    of_a, forward = axis < 2, axis % 2 == 0
+    ux, uy = np.where(of_a, a.ux, b.ux), np.where(of_a, a.uy, b.uy)
+    nx, ny = np.where(forward, ux, -uy), np.where(forward, uy, ux)
+    result: Bools = gaps.max(0) < np.abs(dx * nx + dy * ny) + turned
     return result
 
 
@@ -137,45 +151,57 @@ def touching(t: Traffic) -> tuple[Ints, Floats]:
     """Pairs of vehicles, or of a vehicle and a walker, whose boxes touch during the last step.
 
     Returns:
-        (n, 2) slots, the smaller first, and (n,) instant of the first contact as a fraction of the step. For vehicles
-        that jumped there is no motion to sweep: only the end of the step counts, and the instant is 1.
+        (n, 2) slots, the smaller first, in rising order, and (n,) instant of the first contact as a fraction of the
+        step. For vehicles that jumped there is no motion to sweep: only the end of the step counts, and the instant
+        is 1.
     """
     rows = np.append(t.present, t.walkers) if len(t.walkers) else t.present
     none = np.zeros((0, 2), np.int64), np.zeros(0)
     if len(rows) < 2:
         return none
-    end = _boxes_at(t, rows, 1.0)
-    radius = np.hypot(end.half_length, end.half_width)
-    moved = np.hypot(t.x[rows] - t.old_x[rows], t.y[rows] - t.old_y[rows])
-    reach = radius + moved
-    pairs = cKDTree(np.column_stack([end.cx, end.cy])).query_pairs(2 * float(reach.max()), output_type="ndarray")
-    apart = np.hypot(end.cx[pairs[:, 0]] - end.cx[pairs[:, 1]], end.cy[pairs[:, 0]] - end.cy[pairs[:, 1]])
-    pairs = pairs[(apart <= reach[pairs[:, 0]] + reach[pairs[:, 1]]) & (pairs.min(axis=1) < len(t.present))]
-    if not len(pairs):
+    x, y, heading, length = t.x[rows], t.y[rows], t.heading[rows], t.length[rows]
+    dx, dy = x - t.old_x[rows], y - t.old_y[rows]
+    end = Boxes.of(x, y, heading, length, t.width[rows])
+    i, j = _within_reach(end.cx, end.cy, np.hypot(end.half_length, end.half_width) + np.hypot(dx, dy))
+    if len(t.walkers):
+        i, j = (k[np.minimum(i, j) < len(t.present)] for k in (i, j))
+    if not len(i):
         return none
-    a, b = rows[pairs[:, 0]], rows[pairs[:, 1]]
-    near = _may_have_touched(t, a, b)
-    a, b = a[near], b[near]
-    if not len(a):
+    turn = np.abs(np.sin(heading - t.old_heading[rows]))
+    near = _may_have_touched(
+        take(end, i),
+        take(end, j),
+        dx=dx[i] - dx[j],
+        dy=dy[i] - dy[j],
+        turned=(turn[i] + turn[j]) * (length[i] + length[j]),
+    )
+    if not near.any():
         return none
+    pairs = np.sort(np.column_stack([rows[i[near]], rows[j[near]]]), axis=1)
+    return _first_contacts(t, pairs[np.lexsort(pairs.T[::-1])])
+
+
+def _first_contacts(t: Traffic, pairs: Ints) -> tuple[Ints, Floats]:
+    """Which of these pairs (n, 2) touch during the step, and when, as a fraction of it."""
+    a, b = pairs.T
     motion = ~(jumped(t, a) | jumped(t, b))
-    gaps = np.stack([separation(_boxes_at(t, a, s), _boxes_at(t, b, s)) for s in _SAMPLES], -1)
-    gaps[~motion, :-1] = np.inf
-    hit = (gaps < 0).any(-1)
-    a, b, gaps = a[hit], b[hit], gaps[hit]
-    if not len(a):
-        return none
-    first = (gaps < 0).argmax(-1)
-    late = _SAMPLES[first]
-    early = _SAMPLES[np.maximum(first - 1, 0)]
-    moving = motion[hit]
-    for _ in range(_BISECTIONS):
-        middle = (early + late) / 2
-        inside = separation(_boxes_at(t, a, middle), _boxes_at(t, b, middle)) < 0
-        late = np.where(inside & moving, middle, late)
-        early = np.where(inside, early, middle)
-    swap = a > b
-    return np.column_stack([np.where(swap, b, a), np.where(swap, a, b)]), late
+    when = _SAMPLES[:, None]
+    inside = separation(_boxes_at(t, a, when), _boxes_at(t, b, when)) < 0
+    inside[:-1] &= motion
+    hit = inside.any(0)
+    pairs, motion = pairs[hit], motion[hit]
+    first = inside[:, hit].argmax(0)
+    instant, before = _SAMPLES[first], _SAMPLES[np.maximum(first - 1, 0)]
+    # Who touched before the step began, or jumped, has no instant to look for.
+    k = (motion & (first > 0)).nonzero()[0]
+    if len(k):
+        (a, b), early, late = pairs[k].T, before[k], instant[k]
+        for _ in range(_BISECTIONS):
+            middle = (early + late) / 2
+            met = separation(_boxes_at(t, a, middle), _boxes_at(t, b, middle)) < 0
+            early, late = np.where(met, early, middle), np.where(met, middle, late)
+        instant[k] = late
+    return pairs, instant
 
 
 @dataclass(frozen=True)
@@ -222,7 +248,7 @@ def impact(t: Traffic, pair: Ints, when: float, end_of_step: float) -> Impact:
     if jumped(t, pair).any():  # deep inside each other from the first: the axis of least depth means nothing
         normal = between / max(float(np.hypot(*between)), 1e-9)
     else:
-        axis = int(_axes_gaps(a, b)[0].argmax())
+        axis = int(_axes_gaps(a, b)[:, 0].argmax())
         owner = boxes.ux[axis // 2], boxes.uy[axis // 2]
         normal = np.array(owner if axis % 2 == 0 else (-owner[1], owner[0]))
     normal = normal if normal @ between >= 0 else -normal  # from the first to the second

@@ -111,15 +111,10 @@ class Traffic:
         """Length of the arrays: slots in use and to spare."""
         return len(self.x)
 
-    @property
-    def back_x(self) -> Floats:
-        """Centre of the rear bumper [m]."""
-        return self.x - self.length * np.cos(self.heading)
-
-    @property
-    def back_y(self) -> Floats:
-        """Centre of the rear bumper [m]."""
-        return self.y - self.length * np.sin(self.heading)
+    def rear(self, slots: Ints) -> tuple[Floats, Floats]:
+        """(n,) x and (n,) y of the centre of the rear bumpers of those in these slots [m]."""
+        heading, length = self.heading[slots], self.length[slots]
+        return self.x[slots] - length * np.cos(heading), self.y[slots] - length * np.sin(heading)
 
     def observe(self) -> None:
         """Read the state after a step."""
@@ -135,13 +130,13 @@ class Traffic:
             getattr(self, "old_" + name)[rows] = getattr(self, name)[rows]
         if len(rows):
             position, angle, speed = libsumo.vehicle.getPosition, libsumo.vehicle.getAngle, libsumo.vehicle.getSpeed
-            xy = np.array([position(v) for v in listed])
-            self.x[rows], self.y[rows] = xy[:, 0], xy[:, 1]
-            self.heading[rows] = np.radians(90.0 - np.array([angle(v) for v in listed]))
-            self.speed[rows] = [speed(v) for v in listed]
-        new = np.flatnonzero(self.fresh)
-        for name in _MOTION:
-            getattr(self, "old_" + name)[new] = getattr(self, name)[new]
+            self.x[rows], self.y[rows] = np.array(list(map(position, listed))).T
+            self.heading[rows] = np.radians(90.0 - np.array(list(map(angle, listed))))
+            self.speed[rows] = np.array(list(map(speed, listed)))
+        new = self.fresh.nonzero()[0]
+        if len(new):
+            for name in _MOTION:
+                getattr(self, "old_" + name)[new] = getattr(self, name)[new]
         self.accel[rows] = (self.speed[rows] - self.old_speed[rows]) / self.dt
 
     def _update_slots(self, listed: tuple[str, ...]) -> None:

@@ -97,9 +97,9 @@ class Override:
         """
         t, dt = self._traffic, self._traffic.dt
         wanted = t.here & (erring | (aeb > 0) | wrecked)
-        for released in np.flatnonzero(self._taken & t.here & ~wanted).tolist():
+        for released in (self._taken & t.here & ~wanted).nonzero()[0].tolist():
             self._give_back(released)
-        rows = np.flatnonzero(wanted)
+        rows = wanted.nonzero()[0]
         if not len(rows):
             return
         blind = erring[rows] | wrecked[rows]
@@ -107,16 +107,15 @@ class Override:
         decel = np.where(aeb[rows] > 0, np.maximum(aeb[rows], driver), driver)
         decel = np.minimum(decel, self._friction.at(rows) * G)
         speed = np.where(wrecked[rows], wreck_speed[rows], np.maximum(t.speed[rows] - decel * dt, 0.0))
-        for slot, v, is_blind in zip(rows.tolist(), speed.tolist(), blind.tolist(), strict=True):
-            vehicle = t.ids[slot]
-            if not self._taken[slot]:
-                self._take(slot, vehicle)
-                libsumo.vehicle.setSpeedMode(vehicle, _EXECUTE_BLINDLY if is_blind else _EXECUTE_AND_PLAN)
-            elif self._planning[slot] == is_blind:
-                libsumo.vehicle.setSpeedMode(vehicle, _EXECUTE_BLINDLY if is_blind else _EXECUTE_AND_PLAN)
-            self._planning[slot] = not is_blind
-            libsumo.vehicle.setSpeed(vehicle, v)
-        self._commanded[rows] = speed
+        for k in (~self._taken[rows]).nonzero()[0].tolist():
+            self._take(int(rows[k]), t.ids[rows[k]])
+            self._planning[rows[k]] = blind[k]  # whatever its speed mode was, it is set now
+        for k in (self._planning[rows] == blind).nonzero()[0].tolist():
+            libsumo.vehicle.setSpeedMode(t.ids[rows[k]], _EXECUTE_BLINDLY if blind[k] else _EXECUTE_AND_PLAN)
+        command, ids = libsumo.vehicle.setSpeed, t.ids
+        for slot, v in zip(rows.tolist(), speed.tolist(), strict=True):
+            command(ids[slot], v)
+        self._planning[rows], self._commanded[rows] = ~blind, speed
 
     def _sumo_driver(self, rows: Ints, blind: Bools) -> Floats:
         """Deceleration that SUMO's own driver wants, >= 0 [m/s2]; 0 for those who see nothing.
@@ -127,10 +126,9 @@ class Override:
         wants and he shows again.
         """
         t = self._traffic
-        for k, slot in enumerate(rows.tolist()):
-            if blind[k]:
-                self._foot[slot] = 0.0
-            elif not self._taken[slot]:
+        self._foot[rows[blind]] = 0.0
+        for slot in rows[~blind].tolist():
+            if not self._taken[slot]:
                 self._foot[slot] = max(0.0, -t.accel[slot])
             elif self._planning[slot]:
                 planned = libsumo.vehicle.getSpeedWithoutTraCI(t.ids[slot])

@@ -7,7 +7,7 @@ import libsumo
 import numpy as np
 
 from aeb_sumo.perception.crossing import crossing_zone
-from aeb_sumo.soa import Floats, Ints, find
+from aeb_sumo.soa import Floats, Ints, fitted
 from aeb_sumo.world.network import Link, Network
 from aeb_sumo.world.observe import Traffic
 
@@ -16,6 +16,7 @@ __all__ = ["Crossings", "Path", "Paths", "Turns"]
 _SPACING = 0.5  # m between the points of a path
 _BEFORE = 60.0  # m before a junction at which a vehicle's path through it begins to matter, our assumption
 _TURNS = frozenset("lLrRt")
+_SLACK = 5.0  # m, spare when it is reckoned how soon a vehicle can come as near as that
 _BEHIND = 2.0  # m behind a junction that a vehicle's tail has to be before it looks to the next one
 
 
@@ -98,7 +99,8 @@ class Paths:
         self.users: list[tuple[Path, float]] = []
         self._junctions: dict[str, int] = {}
         self._junction_of: list[int] = []  # per user
-        # Where the paths of two users cross: keys, and a row for each, nan where they do not.
+        self._away: Floats = np.zeros(0)  # per slot, so far may it go before its path is asked for again [m]
+        # Where the paths of two users cross: keys, rising, and a row for each, nan where they do not.
         self._keys: Ints = np.zeros(0, np.int64)
         self._zones: Floats = np.zeros((0, 4))
         none = np.zeros(0, np.int64)
@@ -110,18 +112,19 @@ class Paths:
         self.turns = self._near_junctions()
         i, j = self.pairs()
         zone = self._zones_of(self.turns.user[i], self.turns.user[j])
-        crossed = np.isfinite(zone[:, 0])
-        i, j = i[crossed], j[crossed]
+        crossed = np.isfinite(zone[:, 0]).nonzero()[0]
+        i, j, zone = i[crossed], j[crossed], zone[crossed]
         slot, at = self.turns.slot, self.turns.at
-        self.crossings = Crossings(
-            slot[i], slot[j], zone[crossed] - np.column_stack([at[i], at[i], at[j], at[j]]).reshape(-1, 4)
-        )
+        zone[:, :2] -= at[i, None]
+        zone[:, 2:] -= at[j, None]
+        self.crossings = Crossings(slot[i], slot[j], zone)
 
     def pairs(self) -> tuple[Ints, Ints]:
         """All ordered pairs of `turns` at the same junction: (k,) and (k,) rows."""
         junction = np.array([self._junction_of[u] for u in self.turns.user.tolist()], np.int64)
         order = np.argsort(junction, kind="stable")
-        _, start, size = np.unique(junction[order], return_index=True, return_counts=True)
+        start = np.diff(junction[order], prepend=-1).nonzero()[0]
+        size = np.diff(start, append=len(order))
         each = np.repeat(size, size)  # per row in order: how many there are at its junction
         first = np.repeat(np.arange(len(order)), each)
         before = np.repeat(np.cumsum(each) - each, each)
@@ -135,9 +138,8 @@ class Paths:
         As far as `reach` [m], or to the end of the lane behind the next junction.
         """
         t, vehicle = self._traffic, self._traffic.ids[slot]
-        lane, path = self._current[vehicle]
+        lane, path, at = self._follow(vehicle)
         line, along = self._line(lane, path)
-        at = libsumo.vehicle.getLanePosition(vehicle)
         where = np.arange(at, min(at + reach, along[-1]) + 1e-9, spacing)
         points = np.column_stack([np.interp(where, along, line[:, k]) for k in (0, 1)])
         # Who drives beside the middle of his lane goes on doing so.
@@ -159,26 +161,38 @@ class Paths:
         users: list[int] = []
         for _, vehicle in t.left:
             self._current.pop(vehicle, None)
-        lane_id, lane_position = libsumo.vehicle.getLaneID, libsumo.vehicle.getLanePosition
-        for slot in t.present.tolist():
+        # Who was far from any junction cannot be near one yet.
+        self._away, rows = fitted(self._away, t.capacity), t.present
+        self._away[rows] -= np.maximum(t.speed[rows], t.old_speed[rows]) * t.dt
+        self._away[t.fresh] = 0.0
+        width, length = t.width.tolist(), t.length.tolist()
+        for slot in rows[self._away[rows] <= 0].tolist():
             vehicle = t.ids[slot]
-            lane = lane_id(vehicle)
-            was, path = self._current.get(vehicle, ("", None))
-            if lane != was:
-                if path is None or lane not in path.starts:
-                    path = self._path_from(vehicle, lane)
-                self._current[vehicle] = (lane, path)
+            lane, path, position = self._follow(vehicle)
             if path is None:
+                if lane and not lane.startswith(":"):
+                    self._away[slot] = self._network.length(lane) - position - _BEFORE - _SLACK
                 continue
-            at = path.starts[lane] + lane_position(vehicle)
-            if lane == path.to and at - path.starts[lane] > t.length[slot] + _BEHIND:
-                path = self._path_from(vehicle, lane)
-                self._current[vehicle] = (lane, path)
-            elif path.crossed and at >= path.junction_at - _BEFORE:
+            at = path.starts[lane] + position
+            if lane == path.to and position > length[slot] + _BEHIND:
+                self._current[vehicle] = (lane, self._path_from(vehicle, lane))
+            elif at < path.junction_at - _BEFORE:
+                self._away[slot] = path.junction_at - _BEFORE - at - _SLACK
+            elif path.crossed:
                 slots.append(slot)
                 positions.append(at)
-                users.append(self._user(path, float(t.width[slot]) / 2))
+                users.append(self._user(path, width[slot] / 2))
         return Turns(np.array(slots, np.int64), np.array(positions), np.array(users, np.int64))
+
+    def _follow(self, vehicle: str) -> tuple[str, Path | None, float]:
+        """The lane that a vehicle is on now, its path, and how far it is along the lane [m]."""
+        lane = libsumo.vehicle.getLaneID(vehicle)
+        was, path = self._current.get(vehicle, ("", None))
+        if lane != was:
+            if path is None or lane not in path.starts:
+                path = self._path_from(vehicle, lane)
+            self._current[vehicle] = (lane, path)
+        return lane, path, libsumo.vehicle.getLanePosition(vehicle)
 
     def _user(self, path: Path, half_width: float) -> int:
         key = path, half_width
@@ -191,12 +205,17 @@ class Paths:
     def _zones_of(self, own: Ints, other: Ints) -> Floats:
         """(k, 4) where the paths of two users cross: from and to along the own, from and to along the other [m]."""
         keys = own * 2**32 + other
-        at, known = find(keys, self._keys)
+        at = np.searchsorted(self._keys, keys)
+        known = (
+            self._keys[np.minimum(at, len(self._keys) - 1)] == keys if len(self._keys) else np.zeros(len(keys), bool)
+        )
         if not known.all():
             new = np.unique(keys[~known])
-            self._keys = np.concatenate([self._keys, new])
-            self._zones = np.vstack([self._zones, [self._zone(*divmod(key, 2**32)) for key in new.tolist()]])
-            at, _ = find(keys, self._keys)
+            behind = np.searchsorted(self._keys, new)
+            self._keys = np.insert(self._keys, behind, new)
+            zones = [self._zone(*divmod(key, 2**32)) for key in new.tolist()]
+            self._zones = np.insert(self._zones, behind, zones, axis=0)
+            at = np.searchsorted(self._keys, keys)
         result: Floats = self._zones[at]
         return result
 

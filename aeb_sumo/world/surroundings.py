@@ -35,14 +35,18 @@ class Leads:
         t = self._traffic
         self.lead, self.gap = fitted(self.lead, t.capacity), fitted(self.gap, t.capacity)
         self.lead[:], self.gap[:] = -1, np.inf
-        get, ids, known, lead, gap = libsumo.vehicle.getLeader, t.ids, t.slot, self.lead, self.gap
+        get, ids, known = libsumo.vehicle.getLeader, t.ids, t.slot
+        egos: list[int] = []
+        leads: list[int] = []
+        gaps: list[float] = []
         for slot in t.present.tolist():
             answer = get(ids[slot], _REACH)
             if answer is not None and answer[0] in known:
-                lead[slot] = known[answer[0]]
-                gap[slot] = answer[1]
-        there = lead >= 0
-        gap[there] += t.min_gap[there]
+                egos.append(slot)
+                leads.append(known[answer[0]])
+                gaps.append(answer[1])
+        ego = np.array(egos, np.int64)
+        self.lead[ego], self.gap[ego] = leads, np.array(gaps) + t.min_gap[ego]
 
 
 def lateral_position(t: Traffic, slots: Ints) -> Floats:

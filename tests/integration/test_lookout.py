@@ -34,8 +34,8 @@ def targets(options, sensing, unnamed, steps=30):
             ego = t.slot["ego"]
             if step in unnamed:
                 leads.lead[ego], leads.gap[ego] = -1, np.inf
-            found = lookout.step(np.array([ego]), braking=np.zeros(t.capacity, bool), time=session.time)
-            seen.append(t.ids[found.slot[0]] if found.slot[0] >= 0 else "")
+            who, found = lookout.step(np.array([ego]), braking=np.zeros(t.capacity, bool), time=session.time)
+            seen.append(t.ids[found.slot[0]] if len(who) else "")
     return seen
 
 

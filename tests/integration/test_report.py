@@ -54,17 +54,11 @@ def page(comparison):
     return render(analysis.load(comparison), networks={"twice": NET})
 
 
-def by_hand(folder):
-    """Every number that the report shows, by key, from the Parquet files alone."""
-    runs, crashes, acts, exposure, traffic = (
-        pd.read_parquet(folder / name) for name in ("runs", "crashes", "interventions", "exposure", "traffic")
-    )
-    system = runs.set_index("run_id")["strategy"]
-    crashes, acts, exposure, traffic = (
-        t.assign(of=t["run_id"].map(system)) for t in (crashes, acts, exposure, traffic)
-    )
-    told, z = {}, "zhao2025"
+Z = "zhao2025"
 
+
+def effect_by_hand(crashes):
+    told, z = {}, Z
     base, aeb = ((crashes["of"] == name) for name in ("none", z))
     without, with_ = base.sum(), aeb.sum()
     told |= {f"{z}/crashes/without": without, f"{z}/crashes/net": without - with_, f"{z}/crashes/pairs": 20}
@@ -80,7 +74,15 @@ def by_hand(folder):
         told |= {f"{z}/effect/{name}/avoided": (b - a) / 20}
         told |= {f"{z}/effect/{name}/percent": 100 * (1 - a / b) if b else np.nan}
 
+    return told
+
+
+def pairs_by_hand(crashes):
+    told, z = {}, Z
+    base, aeb = ((crashes["of"] == name) for name in ("none", z))
+    risk = crashes[["striker_serious_risk", "struck_serious_risk"]].sum(axis=1)
     two = crashes.assign(who=crashes["run_id"].str.split("-").str[-1] + crashes["striker"] + crashes["struck"])
+    without = base.sum()
     there = two[aeb].set_index("who")["impact_speed_mps"]
     both = two[base].assign(after=two["who"].map(there))
     change = both["after"] - both["impact_speed_mps"]
@@ -99,8 +101,12 @@ def by_hand(folder):
     # Every car that has an AEB acts on the only one ahead of it.
     told |= {f"{z}/pairs/avoided/intervened": (outcome == "avoided").sum(), f"{z}/pairs/avoided/diverged": 0}
 
+    return told
+
+
+def verdicts_by_hand(crashes, acts, km):
+    told, z, aeb = {}, Z, crashes["of"] == Z
     known = acts["verdict"] != "unknown"
-    km = exposure.loc[exposure["equipped"], "distance_m"].sum() / 1000
     for name in VERDICTS:
         n = (acts["verdict"] == name).sum()
         told |= {f"{z}/verdict/{name}/count": n}
@@ -121,6 +127,11 @@ def by_hand(folder):
     told |= {f"{z}/quality/precautionary": 100 * (useful + early) / known.sum()}
     told |= {f"{z}/quality/recall": 100 * right / (right + struck), f"{z}/quality/hard": hard[known].sum()}
 
+    return told
+
+
+def traffic_by_hand(traffic, avoided):
+    told, z = {}, Z
     sums = traffic.groupby("of")[
         ["arrived", "distance_m", "time_s", "delay_s", "stops", "standing_s", "waiting_s", "blocked_s"]
     ].sum()
@@ -140,8 +151,13 @@ def by_hand(folder):
             told |= {f"{z}/card/{name}": value[z] - value["none"]}
     told |= {f"{z}/traffic/extra delay per avoided crash/{side}": np.nan for side in ("baseline", "with_aeb")}
     extra = (lost[z] - lost["none"]) / 3600
-    told |= {f"{z}/traffic/extra delay per avoided crash/change": extra / (without - with_)}
+    told |= {f"{z}/traffic/extra delay per avoided crash/change": extra / avoided}
 
+    return told
+
+
+def events_by_hand(crashes, acts, exposure, km):
+    told, z = {}, Z
     for name in ("none", z):
         some, driven = crashes[crashes["of"] == name], exposure.loc[exposure["of"] == name, "distance_m"].sum() / 1000
         told |= {f"{name}/crashes/rear_end": len(some), f"{name}/crashes/total": len(some)}
@@ -159,6 +175,22 @@ def by_hand(folder):
                 f"{z}/{phase}/ttc": ttc.median(),
                 f"{z}/{phase}/reduction": 3.6 * some["speed_reduction_mps"].median(),
             }
+    return told
+
+
+def by_hand(folder):
+    """Every number that the report shows, by key, from the Parquet files alone."""
+    runs, crashes, acts, exposure, traffic = (
+        pd.read_parquet(folder / name) for name in ("runs", "crashes", "interventions", "exposure", "traffic")
+    )
+    system = runs.set_index("run_id")["strategy"]
+    crashes, acts, exposure, traffic = (
+        t.assign(of=t["run_id"].map(system)) for t in (crashes, acts, exposure, traffic)
+    )
+    km = exposure.loc[exposure["equipped"], "distance_m"].sum() / 1000
+    told = effect_by_hand(crashes)
+    told |= pairs_by_hand(crashes) | verdicts_by_hand(crashes, acts, km)
+    told |= traffic_by_hand(traffic, told[f"{Z}/crashes/net"]) | events_by_hand(crashes, acts, exposure, km)
     for row in runs.to_dict("records"):
         told |= {f"run/{row['run_id']}/span": row["end_s"] - row["begin_s"]}
         told |= {f"run/{row['run_id']}/{c}": row[c] for c in ("vehicles", "equipped", "crashes", "override_violations")}
@@ -262,7 +294,9 @@ def test_packaged_scenarios_and_configurations_lead_to_their_networks(name, tmp_
 
 
 CHROMIUM = shutil.which("chromium")
-PROBE = """<!doctype html><body><iframe id="f" src="report.html" style="width:WIDTHpx;height:900px;border:0"></iframe><script>
+PROBE = """<!doctype html><body>
+<iframe id="f" src="report.html" style="width:WIDTHpx;height:900px;border:0"></iframe>
+<script>
 document.getElementById("f").addEventListener("load", (event) => {
   const page = event.target.contentDocument, root = page.documentElement;
   const drawings = [...page.querySelectorAll("figure svg")].map((svg) => svg.getBoundingClientRect());
