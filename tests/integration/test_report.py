@@ -140,7 +140,8 @@ def traffic_by_hand(traffic, avoided):
     for name, value in {
         "flow": sums["arrived"] / hours, "largest flow in 5 min": sums["arrived"] * np.nan,
         "flow per lane out of queues": sums["arrived"] * np.nan, "travel time": sums["arrived"] * np.nan,
-        "speed": 3.6 * sums["distance_m"] / sums["time_s"], "delay on the road": 1000 * sums["delay_s"] / sums["distance_m"],
+        "speed": 3.6 * sums["distance_m"] / sums["time_s"],
+        "delay on the road": 1000 * sums["delay_s"] / sums["distance_m"],
         "stops": 1000 * sums["stops"] / sums["distance_m"], "standing": sums["standing_s"] / 3600 / 20,
         "delay": lost / 3600 / 20, "waiting to enter": sums["waiting_s"] / 3600 / 20,
         "behind wrecks": sums["blocked_s"] / 3600 / 20,
