@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from analysis.interventions import equipped_km
 from analysis.load import Dataset
 from analysis.report.intervals import records, share
 from analysis.report.matching import is_baseline
@@ -15,7 +16,7 @@ from analysis.verdicts import passed_on, precision_recall, verdict_rates
 __all__ = ["Judged", "judged"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Judged:
     """The interventions of a group that have a verdict.
 
@@ -23,6 +24,7 @@ class Judged:
         all: their rows, also those whose verdict is unknown.
         known: rows with a known verdict, and column `seed`.
         without: interventions that have no verdict.
+        km: distance of the equipped vehicles; NaN where only a sample is judged [km].
         rates: rows of `analysis.verdict_rates`, by verdict.
         quality: row of `analysis.precision_recall`; None where nothing is judged.
         passed_on: rows of `analysis.passed_on`.
@@ -31,6 +33,7 @@ class Judged:
     all: pd.DataFrame
     known: pd.DataFrame
     without: int
+    km: float
     rates: dict[str, dict[str, Any]]
     quality: dict[str, Any] | None
     passed_on: list[dict[str, Any]]
@@ -59,8 +62,14 @@ def judged(data: Dataset, groups: Mapping[str, Dataset]) -> dict[str, Judged]:
             rows = part.interventions[told != ""]
             known = rows[rows["verdict"] != "unknown"]
             known = known.assign(seed=known["run_id"].map(part.runs.set_index("run_id")["seed"]))
+            without = int((told == "").sum())
             result[name] = Judged(
-                rows, known, int((told == "").sum()), {r["verdict"]: r for r in rates if r["group"] == name},
-                next((r for r in quality if r["group"] == name), None), [r for r in hard if r["group"] == name],
-            )  # fmt: skip
+                all=rows,
+                known=known,
+                without=without,
+                km=float("nan") if without else float(equipped_km(part).sum()),
+                rates={r["verdict"]: r for r in rates if r["group"] == name},
+                quality=next((r for r in quality if r["group"] == name), None),
+                passed_on=[r for r in hard if r["group"] == name],
+            )
     return result

@@ -125,6 +125,11 @@ def _notices(data: Dataset, matched: list[Match]) -> list[str]:
         elif match.left_out:
             notices.append(f"{match.group}: {len(match.left_out)} of its runs without a completed counterpart are left "
                            "out of comparisons.")  # fmt: skip
+    used = {run for match in matched for run in match.pairs["baseline"]}
+    alone = runs.loc[(runs["strategy"] == "none") & (runs["outcome"] == "completed"), "run_id"]
+    if used and (count := int((~alone.isin(used)).sum())):
+        notices.append(f"{count} baseline run{'s' if count > 1 else ''} without a counterpart with AEB: in the figures "
+                       "and tables of crashes and traffic, but not in comparisons.")  # fmt: skip
     if matched and max(len(m.pairs) for m in matched) == 1:
         notices.append("One seed: how much the numbers would move with another one is unknown, so comparisons have no "
                        "interval.")  # fmt: skip

@@ -1,14 +1,13 @@
 """What would have happened without: the verdicts of the interventions."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from analysis.report.drawing import INK, VERDICTS, canvas, empty, svg
 from analysis.report.judged import Judged
 from analysis.report.parts import Cell, Figure, Quantity, Section, Table, Text, count, number
+from analysis.shares import proportion
 
 __all__ = ["card_lines", "figures", "section"]
 
@@ -69,7 +68,10 @@ def _rows(group: str, some: Judged) -> list[list[Cell]]:
         told: Cell = "–" if verdict == "unknown" else some.share(f"{key}/share", verdict)
         rate: Cell = "–"
         if row := some.rates.get(verdict):
-            rate = Quantity(key=f"{key}/rate", value=row["per_1000_km"], low=row["low"], high=row["high"])
+            rate = Quantity(
+                key=f"{key}/rate", value=row["per_1000_km"], low=row["low"], high=row["high"], n=some.km,
+                of="" if some.without else "km",
+            )  # fmt: skip
         rows.append([group, verdict, count(f"{key}/count", seen), told, rate])
     rows.append([group, "no verdict asked for", count(f"{group}/verdict/none/count", some.without), "–", "–"])
     return rows
@@ -80,18 +82,14 @@ def _quality(groups: Mapping[str, Judged]) -> Table:
     for group, some in groups.items():
         if some.quality is not None:
             row, key, known = some.quality, f"{group}/quality", len(some.known)
-            struck = 0 if np.isnan(row["struck"]) else row["struck"]
-            hard = pd.DataFrame(some.passed_on, columns=["judged", "hard"]).sum()
-            sure = Quantity(
-                key=f"{key}/precautionary", value=100 * row["precision_precautionary"], unit="%", n=known, of="verdicts"
-            )
-            rows.append(
-                [
-                    group, _percent(f"{key}/precision", row, "precision", known, "verdicts"), sure,
-                    _percent(f"{key}/recall", row, "recall", some.count("avoided") + struck, "crashes"),
-                    Quantity(key=f"{key}/hard", value=hard["hard"], n=hard["judged"], of="verdicts", whole=True),
-                ]
-            )  # fmt: skip
+            seen = {"precision": row["useful"], "precautionary": row["useful"] + row["precautionary"]}
+            seen |= {"hard": sum(r["hard"] for r in some.passed_on)}
+            precision, sure, hard = (_share(f"{key}/{name}", n, known, "verdicts") for name, n in seen.items())
+            right = some.count("avoided")
+            recall: Cell = "–"
+            if not np.isnan(row["struck"]):
+                recall = _share(f"{key}/recall", right, right + int(row["struck"]), "crashes")
+            rows.append([group, precision, sure, recall, hard])
     return Table(
         id="quality", title="Precision and recall", rows=rows,
         head=("group", "precision", "with precautionary ones", "recall", "hard braking passed on"),
@@ -100,13 +98,11 @@ def _quality(groups: Mapping[str, Judged]) -> Table:
     )  # fmt: skip
 
 
-def _percent(key: str, row: Mapping[str, Any], name: str, n: float, of: str) -> Quantity:
-    value, low, high = (100 * row[column] for column in (name, f"{name}_low", f"{name}_high"))
-    known = not np.isnan(value)
-    return Quantity(
-        key=key, value=value, low=low if known else np.nan, high=high if known else np.nan, n=n if known else 0,
-        of=of if known else "", unit="%",
-    )  # fmt: skip
+def _share(key: str, seen: int, n: int, of: str) -> Quantity:
+    if not n:
+        return Quantity(key=key, value=np.nan, of=of, unit="%")
+    found = proportion(seen, n)
+    return Quantity(key=key, value=100 * found.share, low=100 * found.low, high=100 * found.high, n=n, of=of, unit="%")
 
 
 def _by_target(groups: Mapping[str, Judged]) -> Table:

@@ -125,7 +125,7 @@ def verdicts_by_hand(crashes, acts, km):
     hard = (acts["with_follower_decel_mps2"] > 0.5 * 9.81) & ~(acts["without_follower_decel_mps2"] > 0.5 * 9.81)
     told |= {f"{z}/verdict/none/count": 0, f"{z}/quality/precision": 100 * useful / known.sum()}
     told |= {f"{z}/quality/precautionary": 100 * (useful + early) / known.sum()}
-    told |= {f"{z}/quality/recall": 100 * right / (right + struck), f"{z}/quality/hard": hard[known].sum()}
+    told |= {f"{z}/quality/recall": 100 * right / (right + struck), f"{z}/quality/hard": 100 * hard[known].mean()}
 
     return told
 
