@@ -39,15 +39,20 @@ def section(
     table = Table(
         id="answer-table", title="Crashes with AEB against without, same seeds", rows=rows,
         head=("group", "measure", "per run without", "per run with", "avoided per run", "avoided, percent"),
-        note="Avoided: without less with, so new crashes count against it; a negative number is an increase. The seed "
-        "is the unit of all intervals: studentized bootstrap of the seeds from six on, t below; percent by the log "
-        "ratio. Primary: neither vehicle had crashed before. Injuries and deaths expected: sums of the risks of the "
-        "persons for whom there is a curve, so lower bounds.",
+        note="Avoided: without less with, so new crashes count against it; a negative number is an increase. Primary: "
+        "neither vehicle had crashed before. Injuries and deaths expected: sums of the risks of the persons for whom "
+        f"there is a curve, so lower bounds. Methods of the intervals: {_methods(compared)}.",
     )  # fmt: skip
     return Section(
         id="answer", title="The answer", cards=_cards(matched, extra, data),
         figures=drawn, tables=[table] if rows else [],
     )  # fmt: skip
+
+
+def _methods(compared: Sequence[Match]) -> str:
+    """How the intervals were found."""
+    known = {row[name] for match in compared for row in match.effect for name in ("method", "percent_method")}
+    return "; ".join(sorted(known - {"none"})) or "none, as nothing is known of the spread"
 
 
 def _cards(matched: Sequence[Match], extra: Mapping[str, Lines], data: Dataset) -> list[Card]:

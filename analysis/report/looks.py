@@ -48,7 +48,7 @@ def ecdf(
     *,
     label: str,
     events: str,
-    top: float | None = None,
+    top: float = np.inf,
 ) -> Figure:
     """Share of the events at or below every value, by group; what is not finite is left out and said.
 
@@ -59,7 +59,7 @@ def ecdf(
         look: of the groups.
         label: of the axis, quantity and unit.
         events: what they are.
-        top: end of the axis; None for the largest value.
+        top: the axis ends there at the latest.
     """
     known = {g: np.sort(v[np.isfinite(v)]) for g, v in values.items()}
     quantity = label.partition(" [")[0]
@@ -71,15 +71,16 @@ def ecdf(
         left_out += int(values[group].size - v.size)
     alt = f"Distribution of {quantity}. " + ("; ".join(parts) + "." if parts else f"There are no {events}.")
     with canvas(2.7) as (figure, axes):
+        end = min(1.04 * max((float(v[-1]) for v in known.values() if v.size), default=1.0) or 1.0, top)
         for group, v in known.items():
             if v.size:
-                x = np.concatenate([[v[0]], v])
-                y = np.arange(v.size + 1) / v.size * 100
+                x = np.concatenate([[min(0.0, v[0])], v, [max(end, v[-1])]])
+                y = np.concatenate([np.arange(v.size + 1) / v.size * 100, [100.0]])
                 axes.step(x, y, where="post", color=look[group].colour, ls=look[group].style,
                           label=f"{look[group].short} (n = {v.size})")  # fmt: skip
         if parts:
             axes.set(xlabel=label, ylabel=f"share of {events} [%]", ylim=(0, 102))
-            axes.set_xlim(0, top or 1.04 * max(float(v[-1]) for v in known.values() if v.size) or 1.0)
+            axes.set_xlim(0, end)
             figure.legend(loc="outside upper left", ncols=1 if len(parts) > 2 else 2)
         else:
             empty(axes, f"no {events}")

@@ -18,7 +18,9 @@ __all__ = ["section"]
 _MARGIN = 0.08  # of what is shown, around it
 _LEAST = 60.0  # m shown at least
 _SQUARE = 4.0  # a longer view is stretched across
-_HEIGHT, _FLAT = 4.3, 2.7  # inches of a square and of a stretched map
+_FLAT = 2.7  # inches, height of a stretched map
+_ROW = 0.19  # inches that a further row of the legend takes
+_HEADS, _ACROSS, _TALL = 0.95, 3.5, 1.3  # inches around a map and across it; height of the tallest by its width
 
 Lines = Sequence[NDArray[np.float64]]
 View = tuple[float, float, float, float]  # x from, x to, y from, y to [m]
@@ -84,7 +86,7 @@ def _map(name: str, title: str, part: Dataset, roads: Lines | None, view: View, 
     wide, high = view[1] - view[0], view[3] - view[2]
     flat = wide / high > _SQUARE
     alt = _alt(part, roads)
-    with canvas(_FLAT if flat else 0.9 + min(_HEIGHT, max(2.0, _HEIGHT * high / wide))) as (figure, axes):
+    with canvas(_FLAT if flat else _HEADS + _ACROSS * min(high / wide, _TALL)) as (figure, axes):
         if roads:
             gap = np.full((1, 2), np.nan)
             line = np.concatenate([p for road in roads if _near(road, view) for p in (road, gap)])
@@ -99,9 +101,10 @@ def _map(name: str, title: str, part: Dataset, roads: Lines | None, view: View, 
         axes.set(xlabel="x [m]", ylabel="y [m]", xlim=view[:2], ylim=view[2:])
         axes.grid(visible=False)
         if not flat:
-            axes.set_aspect("equal")
-        if axes.get_legend_handles_labels()[1]:
+            axes.set_aspect("equal", anchor="N")
+        if shown := len(axes.get_legend_handles_labels()[1]):
             figure.legend(loc="outside upper left", ncols=2)
+            figure.set_figheight(figure.get_figheight() + _ROW * ((shown - 1) // 2))
         drawn = svg(figure, name, alt)
     note = alt
     if flat:

@@ -86,7 +86,7 @@ def test_a_mix_comes_back_as_a_mix():
 
 @pytest.mark.parametrize(
     ("scenario", "strategy", "parameters", "penetration"),
-    [("track", "zhao2025", {"comfort_decel": 5.0}, 0.25), ("track", "none", {}, 1.0), ("w0", "staged", {}, 1 / 3)],
+    [("track", "zhao2025", {"comfort_decel": 5.0}, 0.25), ("w0", "none", {}, 1.0)],
 )
 def test_the_line_in_a_shell_makes_the_same_tables(tmp_path, scenario, strategy, parameters, penetration):
     varied = scenarios.load(scenario).varied(weather="wet", drivers=profile.load("careful"))
