@@ -4,6 +4,7 @@ import sys
 
 import pandas as pd
 import pytest
+from click.core import ParameterSource
 
 from aeb_sumo import scenarios, strategies
 from aeb_sumo.cli.run import run as run_command
@@ -38,8 +39,8 @@ def parsed(row, **options):
     """What click makes of it, without what is not given."""
     words = arguments(row, **options)
     assert words[0] == "run"
-    params = run_command.make_context("run", words[1:]).params
-    return {k: v for k, v in params.items() if v not in (None, False, ()) and k != "interval"}
+    context = run_command.make_context("run", words[1:])
+    return {k: v for k, v in context.params.items() if context.get_parameter_source(k) != ParameterSource.DEFAULT}
 
 
 def test_a_run_parses_back_to_its_own_settings():
