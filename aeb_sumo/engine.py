@@ -118,6 +118,11 @@ class Engine:
         self.traffic.release_slots()
 
     @property
+    def heeded(self) -> set[int]:
+        """Slots of drivers who do, from the coming step on, something else because of a warning; it may name others."""
+        return self.motorists.heeded | self._violations.heeded
+
+    @property
     def next_time(self) -> float:
         """End of the coming step [s]."""
         return round(self.time + self.traffic.dt, 3)  # as `Session.time` has it

@@ -58,6 +58,7 @@ class Motorists:
         away: per slot, his eyes are off the road.
         attentive: per slot, a warning keeps his eyes on the road.
         noticed: who noticed a threat in the last step.
+        heeded: slots of drivers who do, from this step on, something else because of a warning; it may name others.
     """
 
     def __init__(self, traffic: Traffic, leads: Leads, profile: Profile, seed: int) -> None:
@@ -73,6 +74,7 @@ class Motorists:
         self._surprise: Floats = np.zeros(0)
         self._held: Floats = np.zeros(0)
         self.noticed: list[Notice] = []
+        self.heeded: set[int] = set()
         self._braked: set[int] = set()
         self._wrecked: Bools = np.zeros(0, np.bool_)
 
@@ -127,7 +129,7 @@ class Motorists:
         """
         t = self._traffic
         self._fit()
-        self.noticed = []
+        self.noticed, self.heeded = [], set()
         self._braked = set(np.flatnonzero(aeb > 0).tolist())
         self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
@@ -175,14 +177,19 @@ class Motorists:
         if calm is None:
             return
         warned = np.flatnonzero(self.away & self.attentive).tolist()
+        self.heeded.update(warned)
         for slot in [*self._lapses.looked_back, *warned]:
             if self.away[slot]:
                 self.away[slot] = False
                 self._look_back(slot)
         for slot in self._lapses.looked_away:
             # A short glance may have ended within the same step.
-            busy = slot in self._reacting or self.attentive[slot] or not self._lapses.on[slot, self._lapses.glance]
-            if not busy and t.here[slot] and not demanding(t, self._leads, slot, calm):
+            busy = slot in self._reacting or not self._lapses.on[slot, self._lapses.glance]
+            if busy or not t.here[slot] or demanding(t, self._leads, slot, calm):
+                continue
+            if self.attentive[slot]:
+                self.heeded.add(slot)
+            else:
                 self.away[slot] = True
                 self._held[slot] = t.accel[slot]
 
@@ -217,17 +224,23 @@ class Motorists:
             if calm and (closing <= 0 or nothing):
                 del self._reacting[slot]
                 continue
-            if driver.response is None and (self.attentive[slot] or self._sees(slot, lead)):
+            if driver.response is None and (self._sees(slot, lead) or self._heeds(slot)):
                 if self._mild(slot, lead):
                     del self._reacting[slot]
                     continue
                 self._notice(slot, lead, driver, closing, time)
-            if self.attentive[slot]:
-                driver.onset = min(driver.onset, time)
+            if driver.onset > time and self._heeds(slot):
+                driver.onset = time
             if driver.response is not None and driver.jerk == 0 and time >= driver.onset:
                 looming = min(self._looming(slot, lead), _STRONGEST)
                 driver.jerk = driver.response.jerk + driver.response.jerk_per_looming * looming
                 driver.onset = time
+
+    def _heeds(self, slot: int) -> bool:
+        """Whether a warning makes a driver do what he would not do without it."""
+        if self.attentive[slot]:
+            self.heeded.add(slot)
+        return bool(self.attentive[slot])
 
     def _notice(self, slot: int, lead: int, driver: _Reacting, closing: float, time: float) -> None:
         t, model = self._traffic, self._model(slot)

@@ -213,8 +213,8 @@ _INTERVENTIONS = _table(
     ),
     ("verdict_reason", "string", "-", "why it is unknown; else empty"),
     ("verdict_window_s", "float64", "s", "from its beginning, how long the two worlds are compared"),
-    ("acted_by", "string", "-", "what it first acted with on the world: `brake`, or `warning` that reached the driver"),
-    ("acted_s", "float64", "s", "when it did, which is when the world was forked; null if it never did"),
+    ("acted_by", "string", "-", "what it first acted with on the world: `brake`, or `warning` that the driver heeded"),
+    ("acted_s", "float64", "s", "when it did, which is when the two worlds part; null if it did not within the run"),
     *(
         (f"{world}_{name}", dtype, unit, f"{where}: {meaning}")
         for world, where in (("with", "with the intervention"), ("without", "without it"))

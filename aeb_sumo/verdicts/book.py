@@ -1,9 +1,11 @@
 """The verdicts of a run: who is watched, when the world is forked, and what comes of it.
 
-Until an intervention acts on the world, because the brake bites or the warning reaches the driver, the world with it
-and the world without it are the same. So it is then that the world is forked, and one that never acts needs no fork.
+Until an intervention acts on the world, because the brake bites or the driver heeds the warning, the worlds with it and
+without it are the same. So it is then that the world is forked, and one that never acts needs no fork. Whether a driver
+heeds a warning shows later: the fork that is made when it reaches him sleeps until then.
 """
 
+from functools import partial
 from math import isfinite
 from typing import Any
 
@@ -26,6 +28,7 @@ class _Watch:
 
     Attributes:
         fork: number of the fork in which it does not take place; None while there is none.
+        asleep: the fork waits: a warning has reached the driver, who may do nothing but what he would do without it.
         acted_by, acted: what it first acted with, and when [s].
         with_, without: what happened, and what happened in the fork; None while that is not known.
         row: the verdict; None while there is none.
@@ -35,6 +38,7 @@ class _Watch:
         self.intervention, self.witness, self.window = intervention, witness, window
         self._engine, self._end = engine, engine.time + window
         self.fork: int | None = None
+        self.asleep = False
         self.acted_by = ""
         self.acted: float | None = None
         self.with_: Outcome | None = None
@@ -90,8 +94,10 @@ class Verdicts:
         for slot, intervention in begun:
             self._begin(slot, intervention)
         for watch in self._watches.values():
-            if watch.with_ is None and watch.without is None and watch.fork is None:
+            if watch.with_ is None and watch.without is None:
                 self._fork_if_acting(watch)
+            elif watch.asleep:
+                self._dismiss(watch)
         self._settle(self._forks.answers())
 
     def finish(self, reason: str = "") -> None:
@@ -106,6 +112,10 @@ class Verdicts:
                 if watch.row is None:
                     watch.with_, watch.without = watch.witness.outcome(), Answer(failure=reason)
         late = {number: watch for number, watch in self._watches.items() if watch.with_ is None}
+        for watch in late.values():
+            self._wake(watch)
+            if watch.fork is None and watch.without is None:  # it may act yet
+                watch.fork = self._forks.split(partial(self._later, watch))
         # What the windows need that the run did not live to see, one more fork does.
         fork = self._forks.split(lambda: self._outlook(late)) if late and not self._obstacle else None
         answers = self._forks.answers(wait=True)
@@ -132,22 +142,42 @@ class Verdicts:
         self._watches[number] = watch
 
     def _fork_if_acting(self, watch: _Watch) -> None:
-        engine, slot = self._engine, watch.witness.slot
+        engine, slot, forks = self._engine, watch.witness.slot, self._forks
         if slot is None:
+            self._dismiss(watch)
             return
-        if engine.fleet.decel[slot] > 0 and watch.intervention.open:
-            watch.acted_by = "brake"
-        elif engine.motorists.alerted(slot, engine.next_time):
-            watch.acted_by = "warning"
-        elif self._lazy:
-            return
-        watch.acted = engine.time if watch.acted_by else None
-        watch.fork = self._forks.split(lambda: self._otherwise(watch, slot))
+        brakes = engine.fleet.decel[slot] > 0 and watch.intervention.open
+        alerted = engine.motorists.alerted(slot, engine.next_time)
+        if watch.fork is None and (brakes or alerted or not self._lazy):
+            watch.asleep = self._lazy and not brakes
+            watch.fork = forks.split(lambda: self._otherwise(watch, slot), asleep=watch.asleep)
+        if not watch.acted_by and (brakes or (watch.fork is not None and slot in engine.heeded)):
+            watch.acted_by, watch.acted = "brake" if brakes else "warning", engine.time
+            self._wake(watch)
+        elif not (alerted or engine.motorists.attentive[slot]):
+            self._dismiss(watch)
+
+    def _wake(self, watch: _Watch) -> None:
+        if watch.asleep and watch.fork is not None:
+            self._forks.wake(watch.fork)
+            watch.asleep = False
+
+    def _dismiss(self, watch: _Watch) -> None:
+        """The warning has come and gone, and the driver has done what he would have done without it."""
+        if watch.asleep and watch.fork is not None:
+            self._forks.dismiss(watch.fork)
+            watch.asleep, watch.fork = False, None
 
     def _otherwise(self, watch: _Watch, slot: int) -> Outcome:
         """The life of a fork: the intervention does not take place."""
         self._engine.suppress(slot)
         self._engine.act()
+        return self._outlook({0: watch})[0]
+
+    def _later(self, watch: _Watch) -> Outcome:
+        """The life of a fork made at the end of a run, with an intervention that has not acted until then."""
+        if watch.witness.slot is not None:
+            self._engine.suppress(watch.witness.slot)
         return self._outlook({0: watch})[0]
 
     def _outlook(self, watches: dict[int, _Watch]) -> dict[int, Outcome]:

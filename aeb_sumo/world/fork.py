@@ -11,6 +11,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil
 from typing import Any
@@ -20,6 +21,7 @@ import libsumo
 __all__ = ["Answer", "Forks", "obstacle"]
 
 _READ = 1 << 16  # bytes at once
+_WAKE = b"!"
 
 
 @dataclass(frozen=True)
@@ -37,9 +39,13 @@ class Answer:
 
 @dataclass
 class _Child:
+    """A fork: its number, process, the end of the pipe that is read, and that of the one that wakes it."""
+
     number: int
     pid: int
-    started: float
+    inward: int
+    call: int
+    started: float = 0.0
     data: bytes = b""
 
 
@@ -71,21 +77,51 @@ class Forks:
         self._patience = patience
         self._count = 0
         self._children: dict[int, _Child] = {}  # by the end of the pipe that is read
+        self._asleep: dict[int, _Child] = {}  # by number
         self._answers: dict[int, Answer] = {}
 
     def __len__(self) -> int:
         """Forks that have not answered."""
         return len(self._children)
 
-    def split(self, future: Callable[[], Any]) -> int:
+    def split(self, future: Callable[[], Any], *, asleep: bool = False) -> int:
         """Let a copy of this process compute `future()`, whose result must be picklable; the number of the fork.
 
         The copy answers and is gone; nothing that it does to the world is seen here.
+
+        Args:
+            future: the life of the copy.
+            asleep: it does not begin before `wake`; until then it keeps the world as it is now.
         """
+        number = self._split(future)
+        if not asleep:
+            self.wake(number)
+        return number
+
+    def wake(self, number: int) -> None:
+        """Let a fork that is asleep begin."""
         while len(self._children) >= self._limit:
             self._collect(wait=True)
+        child = self._asleep.pop(number, None)
+        if child is not None:  # else it could not be made
+            with suppress(BrokenPipeError):  # it has died meanwhile, which shows when it should answer
+                os.write(child.call, _WAKE)
+            os.close(child.call)
+            child.started = time.monotonic()
+            self._children[child.inward] = child
+
+    def dismiss(self, number: int) -> None:
+        """A fork that is asleep is not needed; there is no answer."""
+        child = self._asleep.pop(number, None)
+        if child is not None:
+            os.close(child.call)
+            self._bury(child, "not needed")
+        del self._answers[number]
+
+    def _split(self, future: Callable[[], Any]) -> int:
         self._count += 1
         inward, outward = os.pipe()
+        listen, call = os.pipe()
         sys.stdout.flush()
         sys.stderr.flush()
         try:
@@ -94,14 +130,16 @@ class Forks:
                 warnings.simplefilter("ignore", DeprecationWarning)
                 pid = os.fork()
         except OSError as error:
-            os.close(inward)
-            os.close(outward)
+            for end in (inward, outward, listen, call):
+                os.close(end)
             self._answers[self._count] = Answer(failure=f"the world could not be forked: {error.strerror}")
             return self._count
         if pid == 0:
-            _live(future, outward, self._patience)
+            os.close(call)
+            _live(future, listen, outward, self._patience)
         os.close(outward)
-        self._children[inward] = _Child(self._count, pid, time.monotonic())
+        os.close(listen)
+        self._asleep[self._count] = _Child(self._count, pid, inward, call)
         return self._count
 
     def answers(self, *, wait: bool = False) -> dict[int, Answer]:
@@ -119,8 +157,10 @@ class Forks:
 
     def end(self, why: str) -> None:
         """Give up all forks; the reason is their failure."""
-        for inward in list(self._children):
-            self._bury(inward, why)
+        for number in list(self._asleep):
+            self.dismiss(number)
+        for child in list(self._children.values()):
+            self._bury(child, why)
 
     def _collect(self, *, wait: bool) -> None:
         """Read what is there; `wait` until there is something."""
@@ -132,14 +172,14 @@ class Forks:
             data = os.read(inward, _READ)
             self._children[inward].data += data
             if not data:
-                self._bury(inward, "")
-        for inward, child in list(self._children.items()):
+                self._bury(self._children[inward], "")
+        for child in list(self._children.values()):
             if time.monotonic() - child.started > self._patience:
-                self._bury(inward, f"the fork was not done within {self._patience:g} s")
+                self._bury(child, f"the fork was not done within {self._patience:g} s")
 
-    def _bury(self, inward: int, given_up: str) -> None:
-        child = self._children.pop(inward)
-        os.close(inward)
+    def _bury(self, child: _Child, given_up: str) -> None:
+        self._children.pop(child.inward, None)
+        os.close(child.inward)
         if given_up:
             os.kill(child.pid, signal.SIGKILL)
         _, status = os.waitpid(child.pid, 0)
@@ -156,13 +196,15 @@ def _answer(data: bytes, status: int) -> Answer:
     return answer if isinstance(answer, Answer) else Answer(failure="the fork ended without an answer")
 
 
-def _live(future: Callable[[], Any], outward: int, patience: float) -> None:
+def _live(future: Callable[[], Any], listen: int, outward: int, patience: float) -> None:
     """The life of a fork; it ends here."""
     try:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the parent decides
-        signal.alarm(ceil(patience) + 1)  # also when there is no parent any more to end it
         gc.disable()  # collecting would copy all memory that is shared
         _part_files(outward)
+        if os.read(listen, 1) != _WAKE:  # not needed, or there is no parent any more
+            return
+        signal.alarm(ceil(patience) + 1)  # also when there is no parent any more to end it
         try:
             answer = Answer(future())
         except BaseException as error:

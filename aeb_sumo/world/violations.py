@@ -57,6 +57,7 @@ class Violations:
         self._encounters: dict[tuple[str, str], _Encounter] = {}
         self._blind: dict[str, set[str]] = {}
         self._stands: dict[tuple[str, str], float] = {}  # (unaware rider, driver) -> how long the car has stood [s]
+        self.heeded: set[int] = set()
         self._modes: dict[str, tuple[str, int | None]] = {}  # rider -> junction, speed mode before; None: he stops
         self._ran: dict[str, str] = {}  # rider -> junction whose red he rode through
 
@@ -66,6 +67,7 @@ class Violations:
         Args:
             attentive: per slot, a warning has made the driver look.
         """
+        self.heeded = set()
         for _, vehicle in self._traffic.left:
             self._modes.pop(vehicle, None)
             self._ran.pop(vehicle, None)
@@ -106,8 +108,9 @@ class Violations:
             if encounter is None:
                 encounter = self._begin(error, *key, int(user[slot]), int(user[other_slot]))
             encounter.in_sight = encounter.in_sight + t.dt if in_sight else encounter.in_sight
-            if attentive[slot]:
+            if attentive[slot] and encounter.fails:
                 encounter.fails = False
+                self.heeded.add(slot)
             hidden = encounter.fails or encounter.in_sight <= encounter.notice
             if hidden != encounter.hidden:
                 encounter.hidden = hidden

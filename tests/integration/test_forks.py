@@ -191,3 +191,23 @@ def test_sumo_with_several_threads_cannot_be_forked():
     options = (*scenario.options, "--device.rerouting.threads", "2")
     run(replace(scenario, options=options), "none", duration=0.5, trace=Asks())
     assert reasons == ["", "SUMO runs with 2 device.rerouting.threads, and a world is forked with one only"]
+
+
+def test_a_fork_asleep_keeps_the_world_as_it_was_until_it_is_woken_or_dismissed():
+    world = {"time": 1}
+    forks = Forks(limit=1)
+    kept, unneeded = (forks.split(lambda: world["time"], asleep=True) for _ in range(2))
+    world["time"] = 2
+    assert forks.answers(wait=True) == {}
+    forks.dismiss(unneeded)
+    forks.wake(kept)
+    assert forks.answers(wait=True) == {kept: Answer(1)}
+
+
+def test_a_fork_that_dies_asleep_is_a_failure_once_it_is_woken():
+    forks = Forks(limit=1)
+    number = forks.split(lambda: 1, asleep=True)
+    os.kill(forks._asleep[number].pid, signal.SIGKILL)
+    time.sleep(0.05)
+    forks.wake(number)
+    assert forks.answers(wait=True) == {number: Answer(failure="the fork was ended by signal 9")}
