@@ -18,6 +18,7 @@ __all__ = ["section"]
 _MARGIN = 0.08  # of what is shown, around it
 _LEAST = 60.0  # m shown at least
 _SQUARE = 4.0  # a longer view is stretched across
+_CLOSE = 0.6  # height by width of a detail of a network that is not flat
 _FLAT = 2.7  # inches, height of a stretched map
 _ROW = 0.19  # inches that a further row of the legend takes
 _HEADS, _ACROSS, _TALL = 0.95, 3.5, 1.3  # inches around a map and across it; height of the tallest by its width
@@ -61,7 +62,9 @@ def _maps(
     points = events.to_numpy(float)
     whole = _view(np.concatenate([*(roads or []), points]) if roads or len(points) else np.zeros((1, 2)))
     views = {"": whole}
-    if roads and len(points) and (near := _view(points)):
+    if roads and len(points):
+        flat = (whole[1] - whole[0]) / (whole[3] - whole[2]) > _SQUARE
+        near = _view(points, 0.0 if flat else _CLOSE)
         share = max((near[1] - near[0]) / (whole[1] - whole[0]), (near[3] - near[2]) / (whole[3] - whole[2]))
         if share < 0.6:
             views = {"": whole, "detail": near}
@@ -74,9 +77,11 @@ def _maps(
     ]
 
 
-def _view(points: NDArray[np.float64]) -> View:
+def _view(points: NDArray[np.float64], flattest: float = 0.0) -> View:
+    """What holds the points, with some margin; its height at least so much of its width."""
     (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
     wide, high = max(x1 - x0, _LEAST), max(y1 - y0, _LEAST / _SQUARE)
+    high = max(high, flattest * wide)
     pad = _MARGIN * wide, _MARGIN * high
     x, y = (x0 + x1) / 2, (y0 + y1) / 2
     return (x - wide / 2 - pad[0], x + wide / 2 + pad[0], y - high / 2 - pad[1], y + high / 2 + pad[1])
