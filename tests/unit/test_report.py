@@ -3,6 +3,7 @@
 import gzip
 import re
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -13,6 +14,8 @@ import analysis
 import sumo_nets
 from aeb_sumo.results import Results
 from analysis.report import render
+from analysis.report.drawing import SERIES
+from analysis.report.drawing import VERDICTS as VERDICT_COLOURS
 from analysis.report.intervals import median, per_1000_km, share
 from analysis.report.network import lanes
 from analysis.report.parts import Quantity, number
@@ -337,3 +340,21 @@ def test_a_share_of_nothing_and_a_rate_over_nothing_are_unknown():
     assert np.isnan(share("", pd.Series([], dtype=bool), pd.Series([], dtype=float), "verdicts").value)
     assert np.isnan(per_1000_km("", 0, 0.0).value)
     assert per_1000_km("", 0, 0.0).interval == ""
+
+
+def _luminance(colour):
+    parts = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+    linear = [p / 12.92 if p <= 0.03928 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("mode", [0, 1], ids=["light", "dark"])
+def test_colours_can_be_told_from_the_page(mode):
+    css = (Path(analysis.__file__).parent / "report" / "report.css").read_text()
+    colours = dict(re.findall(r"--([\w-]+): (#\w{6})", re.findall(r":root \{(.*?)\}", css, re.S)[mode]))
+    drawn = {f"series-{k}" for k in range(len(SERIES))} | {f"verdict-{name}" for name in VERDICT_COLOURS}
+    assert drawn <= set(colours)
+    for names, least in (({"ink", "faint", "link"}, 4.5), (drawn, 3.0)):  # WCAG 2.1, text and graphics
+        for name in names:
+            bright, dark = sorted((_luminance(colours[name]), _luminance(colours["page"])), reverse=True)
+            assert (bright + 0.05) / (dark + 0.05) >= least, name
