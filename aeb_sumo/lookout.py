@@ -11,7 +11,7 @@ from aeb_sumo.perception.noise import Keys
 from aeb_sumo.perception.sensor import overlap
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_step
-from aeb_sumo.soa import Bools, Floats, Ints, find, joined, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, find, first_of_each, joined, put, take
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import lateral_position
@@ -253,7 +253,7 @@ class Lookout:
         t, k = self._traffic, usable.nonzero()[0]
         k = k[np.lexsort((pairs.crossing[k], rank[k], pairs.ego[k]))]
         ego = pairs.ego[k]
-        k = k[np.diff(ego, prepend=-1) > 0]
+        k = k[first_of_each(ego)]
         ego, other, crossing = pairs.ego[k], pairs.other[k], pairs.crossing[k]
         # Only a system that knows paths waits for crossing traffic at the crossing, where it stands in the way.
         waits = crossing & (self._gaze is Gaze.PATH)

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Bools", "Floats", "Ints", "find", "fitted", "joined", "put", "take"]
+__all__ = ["Bools", "Floats", "Ints", "find", "first_of_each", "fitted", "joined", "put", "take"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -19,28 +19,32 @@ S = TypeVar("S")
 def take(struct: S, rows: Ints | Bools) -> S:
     """A copy of some rows."""
     rows = _numbers(rows)
-    return type(struct)(**{name: getattr(struct, name)[rows] for name in _names(type(struct))})
+    return type(struct)(**{name: getattr(struct, name)[rows] for name in _names(struct)})
 
 
 def joined(one: S, two: S) -> S:
     """The rows of one, then those of the other."""
-    names = _names(type(one))
+    names = _names(one)
     return type(one)(**{name: np.concatenate([getattr(one, name), getattr(two, name)]) for name in names})
 
 
 def put(struct: S, rows: Ints | Bools, values: S) -> None:
     """Write `values` into `rows` of `struct`, in place."""
     rows = _numbers(rows)
-    for name in _names(type(struct)):
+    for name in _names(struct):
         getattr(struct, name)[rows] = getattr(values, name)
 
 
+def _names(struct: Any) -> tuple[str, ...]:
+    return _names_of(type(struct))  # type: ignore[arg-type]
+
+
 @cache
-def _names(kind: Any) -> tuple[str, ...]:
+def _names_of(kind: Any) -> tuple[str, ...]:
     return tuple(f.name for f in fields(kind))
 
 
-def _numbers(rows: Ints | Bools) -> Ints:
+def _numbers(rows: Ints | Bools) -> NDArray[Any]:
     """Row numbers in place of a mask, which would have to be counted for every array anew."""
     return rows.nonzero()[0] if rows.dtype == np.bool_ else rows
 
@@ -53,9 +57,17 @@ def find(keys: Ints, among: Ints) -> tuple[Ints, Bools]:
     """
     if not len(among):
         return np.zeros(len(keys), np.int64), np.zeros(len(keys), np.bool_)
-    order = np.argsort(among)
-    at = order[np.minimum(np.searchsorted(among, keys, sorter=order), len(order) - 1)]
-    return at, among[at] == keys
+    order = among.argsort()
+    rising = among[order]
+    at = np.minimum(rising.searchsorted(keys), len(order) - 1)
+    return order[at], rising[at] == keys
+
+
+def first_of_each(rising: Ints) -> Bools:
+    """(n,) which of these numbers, in rising order, are not the same as the one before."""
+    result = np.ones(len(rising), np.bool_)
+    result[1:] = rising[1:] != rising[:-1]
+    return result
 
 
 def fitted(array: NDArray[Any], size: int) -> NDArray[Any]:

@@ -39,12 +39,14 @@ def ttc2(*, gap: ArrayLike, closing_speed: ArrayLike, closing_accel: ArrayLike) 
     far = np.isinf(gap)  # nothing ahead
     d = np.where(far, 1.0, gap)
     discriminant = v * v + 2 * a * d
+    rooted, opens = discriminant >= 0, v < 0
     root = np.sqrt(np.maximum(discriminant, 0.0))
+    total = v + root
     time = np.full(d.shape, np.inf)
     # For v < 0 the sum in the denominator cancels; the other form of the same root does not.
     with np.errstate(over="ignore"):  # as good as never
-        np.divide(2 * d, v + root, out=time, where=(discriminant >= 0) & (v >= 0) & (v + root > 0))
-        np.divide(root - v, a, out=time, where=(discriminant >= 0) & (v < 0) & (a > 0))
+        np.divide(2 * d, total, out=time, where=rooted & ~opens & (total > 0))
+        np.divide(root - v, a, out=time, where=rooted & opens & (a > 0))
     return np.where(far, np.inf, np.where(d <= 0, 0.0, time))
 
 
@@ -86,10 +88,11 @@ def required_decel(*, gap: ArrayLike, speed: ArrayLike, lead_speed: ArrayLike, l
     """
     g, v, w, a = _together(gap, speed, lead_speed, lead_accel)
     closing, brakes, near = v - w, a < 0, (g > 0) & np.isfinite(g)
-    moving = np.maximum(drac(gap=g, closing_speed=closing) - a, 0.0)
+    nears = closing > 0
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        moving = np.maximum(closing * closing / (2 * g) - a, 0.0)  # drac, where something closes in
         stops_in, stops_after = np.where(brakes, w / -a, np.inf), np.where(brakes, w * w / (-2 * a), np.inf)
-        meets_in = np.where(closing > 0, 2 * g / closing, np.inf)
+        meets_in = np.where(nears, 2 * g / closing, np.inf)
         standing = v * v / (2 * (g + stops_after))
-    rate = np.where(brakes & (meets_in > stops_in), standing, np.where(closing > 0, moving, 0.0))
+    rate = np.where(brakes & (meets_in > stops_in), standing, np.where(nears, moving, 0.0))
     return np.where(near, rate, np.where(g <= 0, np.inf, 0.0))

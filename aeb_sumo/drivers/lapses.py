@@ -60,10 +60,12 @@ class Glances:
         # For a median of 2 s or more, half of the glances are longer than that whatever is asked for.
         sigma = max(np.log(2.0 / self.median) / norm.isf(self.over_two), 0.05)
         mean_off = self.median * np.exp(sigma**2 / 2)
+        mean_on = mean_off * (1 - self.share) / self.share if self.share > 0 else np.inf
+        log_median = np.log(self.median)
         now = 0.0
         while self.share > 0:
-            now += draw.exponential(mean_off * (1 - self.share) / self.share)
-            away = draw.lognormal(np.log(self.median), sigma)
+            now += draw.exponential(mean_on)
+            away = draw.lognormal(log_median, sigma)
             yield Lapse(now, now + away, np.nan)
             now += away
 

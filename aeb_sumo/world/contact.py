@@ -120,12 +120,13 @@ def jumped(t: Traffic, slots: Ints) -> Bools:
 def _within_reach(x: Floats, y: Floats, reach: Floats) -> tuple[Ints, Ints]:
     """Pairs, as rows, of those at (x, y) that are no farther apart than both their reaches [m]."""
     along = x if np.ptp(x) >= np.ptp(y) else y
-    order = np.argsort(along)
+    order = along.argsort()
     line = along[order]
     # Per row in order: how many of those behind it on the line are near enough on the line.
-    many = np.searchsorted(line, line + 2 * reach.max(), side="right") - np.arange(1, len(line) + 1)
-    first = np.repeat(np.arange(len(line)), many)
-    second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(many) - many, many)
+    rows = np.arange(len(line))
+    many = line.searchsorted(line + 2 * reach.max(), side="right") - rows - 1
+    first = rows.repeat(many)
+    second = first + 1 + np.arange(len(first)) - (many.cumsum() - many).repeat(many)
     i, j = order[first], order[second]
     dx, dy, reach = x[i] - x[j], y[i] - y[j], reach[i] + reach[j]
     near = (dx * dx + dy * dy <= reach * reach).nonzero()[0]

@@ -7,7 +7,7 @@ import libsumo
 import numpy as np
 
 from aeb_sumo.perception.crossing import crossing_zone
-from aeb_sumo.soa import Floats, Ints, fitted
+from aeb_sumo.soa import Floats, Ints, first_of_each, fitted
 from aeb_sumo.world.network import Link, Network
 from aeb_sumo.world.observe import Traffic
 
@@ -100,9 +100,10 @@ class Paths:
         self._junctions: dict[str, int] = {}
         self._junction_of: list[int] = []  # per user
         self._away: Floats = np.zeros(0)  # per slot, so far may it go before its path is asked for again [m]
-        # Where the paths of two users cross: keys, rising, and a row for each, nan where they do not.
-        self._keys: Ints = np.zeros(0, np.int64)
-        self._zones: Floats = np.zeros((0, 4))
+        # Where the paths of two users cross: keys, rising, the last one beyond all others, and a row for each, nan
+        # where they do not.
+        self._keys: Ints = np.full(1, np.iinfo(np.int64).max)
+        self._zones: Floats = np.full((1, 4), np.nan)
         none = np.zeros(0, np.int64)
         self.turns = Turns(none, np.zeros(0), none)
         self.crossings = Crossings(none, none, np.zeros((0, 4)))
@@ -123,8 +124,8 @@ class Paths:
         """All ordered pairs of `turns` at the same junction: (k,) and (k,) rows."""
         junction = np.array([self._junction_of[u] for u in self.turns.user.tolist()], np.int64)
         order = np.argsort(junction, kind="stable")
-        start = np.diff(junction[order], prepend=-1).nonzero()[0]
-        size = np.diff(start, append=len(order))
+        start = first_of_each(junction[order]).nonzero()[0]
+        size = np.append(start[1:], len(order)) - start
         each = np.repeat(size, size)  # per row in order: how many there are at its junction
         first = np.repeat(np.arange(len(order)), each)
         before = np.repeat(np.cumsum(each) - each, each)
@@ -206,9 +207,7 @@ class Paths:
         """(k, 4) where the paths of two users cross: from and to along the own, from and to along the other [m]."""
         keys = own * 2**32 + other
         at = np.searchsorted(self._keys, keys)
-        known = (
-            self._keys[np.minimum(at, len(self._keys) - 1)] == keys if len(self._keys) else np.zeros(len(keys), bool)
-        )
+        known = self._keys[at] == keys
         if not known.all():
             new = np.unique(keys[~known])
             behind = np.searchsorted(self._keys, new)
