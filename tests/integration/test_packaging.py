@@ -18,6 +18,7 @@ def test_the_wheel_holds_the_three_packages_and_the_nets(tmp_path):
     for net in sumo_nets.names():
         assert f"sumo_nets/{net}/{net}.net.xml" in names
     assert {"sumo_nets/highway/highway.rou.xml", "sumo_nets/w2t/w2t.add.xml"} <= names
+    assert {"analysis/report/report.html.j2", "analysis/report/report.css"} <= names
     assert not [n for n in names if n.startswith("tests")]
 
 
