@@ -1,38 +1,20 @@
 """Replay: an event of a run as a small animation, as it happened and as it would have otherwise, side by side."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from aeb_sumo.equipment import Equipment, Share
 from aeb_sumo.errors import InputError
 from aeb_sumo.repeat import settings
 from aeb_sumo.replay.check import check
-from aeb_sumo.replay.director import Director, World
+from aeb_sumo.replay.director import Director
 from aeb_sumo.replay.event import Event, find
 from aeb_sumo.replay.page import page
+from aeb_sumo.replay.take import Take
 from aeb_sumo.simulate import run
-from aeb_sumo.world.fork import Answer
 
-__all__ = ["Take", "film", "replay"]
+__all__ = ["film", "replay"]
 
 _LONGEST = 120.0  # s of film before or after an event, our assumption: pages shall stay small
-
-
-@dataclass(frozen=True)
-class Take:
-    """An event, filmed.
-
-    Attributes:
-        event: as in the tables.
-        parting: when the worlds parted [s].
-        factual: the world as it was.
-        other: the other world, or why there is none.
-    """
-
-    event: Event
-    parting: float
-    factual: World
-    other: Answer
 
 
 def replay(folder: Path, text: str, *, run_id: str | None = None, before: float = 5.0, after: float = 6.0) -> str:
@@ -74,7 +56,8 @@ def film(event: Event, *, before: float = 5.0, after: float = 6.0) -> Take:
         stop=lambda: director.done,
     )
     check(event, again)
-    return Take(event, director.parting, *director.worlds())
+    factual, answer = director.worlds()
+    return Take(event=event, parting=director.parting, factual=factual, other=answer.value, reason=answer.failure)
 
 
 def _with(carried: Equipment, event: Event) -> Equipment:

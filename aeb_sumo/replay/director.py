@@ -1,6 +1,7 @@
 """Both worlds of an event on film: a recorder that looks on while the run is simulated again, and forks it."""
 
 from dataclasses import dataclass
+from math import isnan
 
 from aeb_sumo.engine import Engine
 from aeb_sumo.ledger.conflicts import Conflicts
@@ -55,7 +56,7 @@ class Director:
         if event.intervention is not None:
             looks = float(event.intervention["begin_s"])
             acted = float(event.intervention["acted_s"])
-            parting = looks if acted != acted else acted  # nan: it never did, or nobody looked
+            parting = looks if isnan(acted) else acted  # nan: it never did, or nobody looked
         self.parting = parting
         self._looks_from = looks
         self._start = min(event.instant - before, looks - _RUN_UP)

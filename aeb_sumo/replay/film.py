@@ -37,7 +37,6 @@ class Frame:
         brake: (n,) deceleration by the AEB in the step to come [m/s2].
         phase: (n,) of the AEB, a `Phase`.
         wrecked: (n,).
-        gap: distance of the two bodies [m]; nan when they are not both there.
     """
 
     time: float
@@ -50,7 +49,6 @@ class Frame:
     brake: Floats
     phase: Ints
     wrecked: Bools
-    gap: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,9 +66,7 @@ class Contact:
     def of(cls, crash: Crash) -> "Contact":
         """From the world's own."""
         hit = crash.impact
-        return cls(
-            time=hit.time, x=hit.x, y=hit.y, striker=crash.striker, struck=crash.struck, speed=hit.impact_speed
-        )
+        return cls(time=hit.time, x=hit.x, y=hit.y, striker=crash.striker, struck=crash.struck, speed=hit.impact_speed)
 
 
 @dataclass
@@ -88,6 +84,27 @@ class Film:
     cast: dict[str, Body] = field(default_factory=dict)
     contacts: list[Contact] = field(default_factory=list)
     scenery: Scenery | None = None
+
+    @property
+    def times(self) -> Floats:
+        """(n,) of the frames [s]."""
+        return np.array([frame.time for frame in self.frames])
+
+    def curve(self, name: str, what: str) -> Floats:
+        """(n,) a value of one road user, by the name it has in `Frame`; nan where he is not near."""
+        found = [getattr(f, what)[f.ids.index(name)] if name in f.ids else np.nan for f in self.frames]
+        return np.array(found, float)
+
+    def gap(self, one: str, other: str) -> Floats:
+        """(n,) distance of two bodies [m]; nan where they are not both near."""
+        if not {one, other} <= self.cast.keys():
+            return np.full(len(self.frames), np.nan)
+        boxes = []
+        for name in (one, other):
+            x, y, heading = (self.curve(name, what) for what in ("x", "y", "heading"))
+            body = self.cast[name]
+            boxes.append(Boxes.of(x, y, heading, np.full(len(x), body.length), np.full(len(x), body.width)))
+        return distance(*boxes)
 
 
 class Camera:
@@ -117,9 +134,7 @@ class Camera:
         """Take the frame of now, between decision and deed."""
         self.film.frames.append(self._frame())
         self.film.contacts += [
-            Contact.of(crash)
-            for crash in self._engine.crashes
-            if {crash.striker, crash.struck} & self.film.cast.keys()
+            Contact.of(crash) for crash in self._engine.crashes if {crash.striker, crash.struck} & self.film.cast.keys()
         ]
 
     def retake(self) -> None:
@@ -127,8 +142,9 @@ class Camera:
         self.film.frames[-1] = self._frame()
 
     def _frame(self) -> Frame:
-        t, fleet, two = self._engine.traffic, self._engine.fleet, [self.slot(name) for name in self._two]
-        for name, slot in zip(self._two, two, strict=True):
+        t, fleet = self._engine.traffic, self._engine.fleet
+        for name in self._two:
+            slot = self.slot(name)
             if slot is not None:
                 self._centres[name] = np.array([t.x[slot], t.y[slot]])
         rows = np.concatenate([t.present, t.walkers])
@@ -146,7 +162,6 @@ class Camera:
             brake=fleet.decel[rows],
             phase=fleet.demand.phase[rows],
             wrecked=self._engine.wrecks.wrecked[rows],
-            gap=self._gap(two),
         )
 
     def cut(self) -> Film:
@@ -156,10 +171,3 @@ class Camera:
             all_ = np.vstack(points)
             self.film.scenery = scenery(all_.min(0) - _MARGIN, all_.max(0) + _MARGIN)
         return self.film
-
-    def _gap(self, two: list[int | None]) -> float:
-        if None in two:
-            return np.nan
-        t, slots = self._engine.traffic, np.array(two, np.int64)
-        boxes = [Boxes.of(t.x[s], t.y[s], t.heading[s], t.length[s], t.width[s]) for s in (slots[:1], slots[1:])]
-        return float(distance(*boxes)[0])

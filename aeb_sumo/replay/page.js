@@ -1,0 +1,366 @@
+"use strict";
+const D = JSON.parse(document.getElementById("data").textContent);
+const by = (id) => document.getElementById(id);
+const WORLDS = D.worlds;
+const FIRST = WORLDS[0].t[0];
+const LAST = Math.max(...WORLDS.map((w) => w.t[w.t.length - 1]));
+const STEP = WORLDS[0].t.length > 1 ? (WORLDS[0].t[WORLDS[0].t.length - 1] - FIRST) / (WORLDS[0].t.length - 1) : 0.1;
+const PHASES = ["", "warns", "brakes partially", "brakes fully"];
+const still = window.matchMedia("(prefers-reduced-motion: reduce)");
+let now = Math.min(Math.max(0, FIRST), LAST), playing = false, zoom = 1, before = 0, colours = {};
+
+// ---- values at an instant -------------------------------------------------------------------------------------------
+
+/** Frame at or before t, and how far on to the next. */
+function place(world, t) {
+  const f = Math.min(Math.max((t - world.t[0]) / STEP, 0), world.t.length - 1);
+  const k = Math.min(Math.floor(f + 1e-6), world.t.length - 1);
+  return [k, Math.max(f - k, 0)];
+}
+
+/** A curve between its frames; null where it is not known. */
+function value(curve, world, t) {
+  const [k, s] = place(world, t);
+  const a = curve[k], b = k + 1 < curve.length ? curve[k + 1] : null;
+  return a === null ? null : b === null || s === 0 ? a : a + (b - a) * s;
+}
+
+/** Pose of a road user, or null. */
+function pose(world, name, t) {
+  const track = world.tracks[name];
+  if (!track) return null;
+  const [frame, s] = place(world, t), k = frame - track.k;
+  if (k < 0 || k >= track.x.length || track.x[k] === null) return null;
+  const j = k + 1 < track.x.length && track.x[k + 1] !== null ? k + 1 : k;
+  if (j === k && s > 0.5) return null;
+  const turn = Math.atan2(Math.sin(track.h[j] - track.h[k]), Math.cos(track.h[j] - track.h[k]));
+  const mix = (v) => v[k] + (v[j] - v[k]) * s;
+  const contact = world.contacts.some((c) => (c.striker === name || c.struck === name) && c.t <= t);
+  return {
+    x: mix(track.x), y: mix(track.y), h: track.h[k] + turn * s,
+    slows: j > k && (track.v[k] - track.v[j]) / STEP > 1,
+    phase: track.a ? Number(track.a[k]) : 0,
+    wrecked: contact || (track.w !== null && frame >= track.w && !world.contacts.some((c) => c.striker === name || c.struck === name)),
+  };
+}
+
+// ---- the view from above --------------------------------------------------------------------------------------------
+
+function path(c, points, close) {
+  c.beginPath();
+  for (let k = 0; k < points.length; k += 2) c.lineTo(points[k], points[k + 1]);
+  if (close) c.closePath();
+}
+
+function ground(c) {
+  c.lineJoin = "round";
+  c.fillStyle = colours.road;
+  for (const outline of D.junctions) { path(c, outline, true); c.fill(); }
+  for (const edge of [true, false]) {
+    for (const lane of D.lanes) {
+      if (edge && lane.inside) continue;
+      c.strokeStyle = edge ? colours.mark : lane.inside ? (lane.kind === "foot" ? colours.foot : colours.road) : colours[lane.kind];
+      c.lineWidth = Math.max(lane.w - (edge || lane.inside ? 0 : 0.25), 0.1);
+      path(c, lane.p, false);
+      c.stroke();
+    }
+  }
+  c.strokeStyle = colours.wall;
+  c.lineWidth = 0.6;
+  for (const wall of D.walls) { path(c, wall, false); c.stroke(); }
+}
+
+function body(c, name, p, px, dashed) {
+  const [, length, width] = D.cast[name];
+  c.save();
+  c.translate(p.x, p.y);
+  c.rotate(p.h);
+  const box = () => { c.beginPath(); c.roundRect(-length, -width / 2, length, width, Math.min(width / 3, 0.5)); };
+  box();
+  if (dashed) {
+    c.setLineDash([4 * px, 3 * px]);
+    c.strokeStyle = colours.ego;
+    c.lineWidth = 1.5 * px;
+    c.stroke();
+    c.restore();
+    return;
+  }
+  c.fillStyle = p.wrecked ? colours.crashed : name === D.ego ? colours.ego : name === D.other ? colours.other : colours.rest;
+  c.fill();
+  c.strokeStyle = colours.edge;
+  c.lineWidth = px;
+  c.stroke();
+  if (p.wrecked) {
+    c.strokeStyle = "#fff";
+    c.lineWidth = 1.5 * px;
+    c.beginPath();
+    c.moveTo(-length * 0.85, -width * 0.35); c.lineTo(-length * 0.15, width * 0.35);
+    c.moveTo(-length * 0.85, width * 0.35); c.lineTo(-length * 0.15, -width * 0.35);
+    c.stroke();
+  } else if (length > 1) {
+    c.fillStyle = "rgba(255,255,255,0.75)";  // the windscreen: which way it looks
+    c.fillRect(-length * 0.32, -width * 0.36, length * 0.1, width * 0.72);
+    if (p.slows) {
+      c.fillStyle = colours.lights;
+      c.fillRect(-length - 2 * px, -width / 2, 3 * px + 0.2, width);
+    }
+  }
+  if (p.phase > 0 && !p.wrecked) {
+    c.beginPath();
+    c.roundRect(-length - 5 * px, -width / 2 - 5 * px, length + 10 * px, width + 10 * px, 5 * px);
+    c.strokeStyle = colours.aeb;
+    c.lineWidth = (0.5 + p.phase) * px;
+    c.stroke();
+  }
+  c.restore();
+}
+
+/** Where the ego is, or was last, or comes in first. */
+function centre(world, t) {
+  const p = pose(world, D.ego, t);
+  if (p) return p;
+  const track = world.tracks[D.ego];
+  if (!track) return { x: 0, y: 0 };
+  const [k] = place(world, t);
+  let at = k < track.k ? 0 : Math.min(k - track.k, track.x.length - 1);
+  while (at > 0 && track.x[at] === null) at--;
+  return { x: track.x[at], y: track.y[at] };
+}
+
+function view(canvas, world, twin) {
+  const w = canvas.clientWidth, h = canvas.clientHeight, dense = window.devicePixelRatio || 1;
+  if (!w || !h) return;
+  if (canvas.width !== Math.round(w * dense)) { canvas.width = Math.round(w * dense); canvas.height = Math.round(h * dense); }
+  const c = canvas.getContext("2d"), scale = (w / D.across) * zoom * (w < 400 ? 1.3 : 1), px = 1 / scale, mid = centre(world, now);
+  const screen = (x, y) => {
+    const dx = x - mid.x, dy = y - mid.y, cos = Math.cos(-D.turn), sin = Math.sin(-D.turn);
+    return [w * (0.5 - D.shift) + (dx * cos - dy * sin) * scale, h / 2 - (dx * sin + dy * cos) * scale];
+  };
+  c.setTransform(dense, 0, 0, dense, 0, 0);
+  c.fillStyle = colours.ground;
+  c.fillRect(0, 0, w, h);
+  c.save();
+  c.translate(w * (0.5 - D.shift), h / 2);
+  c.scale(scale, -scale);
+  c.rotate(-D.turn);
+  c.translate(-mid.x, -mid.y);
+  ground(c);
+  const there = [];
+  for (const name of Object.keys(world.tracks)) {
+    const p = pose(world, name, now);
+    if (p) there.push([name, p]);
+  }
+  const rank = ([name]) => (name === D.ego ? 2 : name === D.other ? 1 : 0);
+  there.sort((a, b) => rank(a) - rank(b));
+  for (const [name, p] of there) body(c, name, p, px, false);
+  const ghost = twin && now > D.parting ? pose(twin, D.ego, now) : null;
+  const own = there.find(([name]) => name === D.ego);
+  if (ghost && (!own || Math.hypot(ghost.x - own[1].x, ghost.y - own[1].y) > 0.3)) body(c, D.ego, ghost, px, true);
+  c.restore();
+  for (const hit of world.contacts.filter((k) => k.t <= now && now < k.t + 1.5)) {
+    const [x, y] = screen(hit.x, hit.y);
+    c.strokeStyle = colours.crashed;
+    c.lineWidth = 3;
+    c.beginPath();
+    c.arc(x, y, 8 + 14 * (now - hit.t), 0, 7);
+    c.stroke();
+  }
+  c.font = "600 12px system-ui, sans-serif";
+  c.textAlign = "center";
+  for (const [name, p] of there.filter(([n]) => n === D.ego || n === D.other)) {
+    const [, length, width] = D.cast[name];
+    const [x, y] = screen(p.x - (length / 2) * Math.cos(p.h), p.y - (length / 2) * Math.sin(p.h));
+    const high = (Math.abs(Math.sin(p.h - D.turn)) * length + width) * scale / 2 + 9;
+    const up = name === D.ego ? y - high : y + high + 8;
+    c.lineWidth = 3;
+    c.strokeStyle = colours.back;
+    c.strokeText(name, x, up);
+    c.fillStyle = colours.ink;
+    c.fillText(name, x, up);
+  }
+  const bar = [5, 10, 20, 50].find((m) => m * scale >= 50) || 50;
+  c.fillStyle = colours.ink;
+  c.fillRect(10, h - 12, bar * scale, 3);
+  c.textAlign = "left";
+  c.lineWidth = 3;
+  c.strokeStyle = colours.back;
+  c.strokeText(bar + " m", 10, h - 18);
+  c.fillText(bar + " m", 10, h - 18);
+}
+
+// ---- what it says ---------------------------------------------------------------------------------------------------
+
+const number = (v, digits) => v.toFixed(digits).replace("-", "\u2212");
+
+function says(world) {
+  const gap = value(world.gap, world, now), speed = value(world.speed, world, now), ttc = world.ttc[place(world, now)[0]];
+  const p = pose(world, D.ego, now), brake = value(world.brake, world, now), parts = [];
+  if (speed !== null) parts.push(`${D.ego}: ${number(speed * 3.6, 0)} km/h (${number(speed, 1)} m/s)`);
+  else parts.push(`${D.ego} is not on the road`);
+  if (gap !== null) parts.push(`gap ${number(gap, 1)} m`);
+  if (ttc !== null) parts.push(`TTC ${number(ttc, 1)} s`);
+  if (p && p.wrecked) parts.push("crashed");
+  else if (p && (p.phase || brake > 0.05)) parts.push(`AEB ${PHASES[p.phase] || "lets go"}${brake > 0.05 ? `, ${number(brake, 1)} m/s\u00b2` : ""}`);
+  return parts.join(" \u00b7 ");
+}
+
+// ---- the charts -----------------------------------------------------------------------------------------------------
+
+const CHARTS = [
+  { id: "gap", floor: 10, cap: 60, unit: "m", curves: [["gap", "gap", 1]] },
+  { id: "speed", floor: 20, cap: 1e9, unit: "km/h", curves: [["other", "other", 3.6], ["speed", "", 3.6]] },
+  { id: "decel", floor: 8, cap: 12, unit: "m/s\u00b2", area: "brake", curves: [["decel", "", 1]] },
+];
+
+function make(tag, attributes, parent, text) {
+  const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [k, v] of Object.entries(attributes)) node.setAttribute(k, v);
+  if (text !== undefined) node.textContent = text;
+  parent.append(node);
+  return node;
+}
+
+/** SVG path of a curve, with gaps where it is not known. */
+function trace(world, curve, x, y, factor, base) {
+  let d = "", pen = false, start = 0;
+  curve.forEach((v, k) => {
+    if (v === null) { if (pen && base !== undefined) d += `L${x(world.t[k - 1])},${base}L${start},${base}Z`; pen = false; return; }
+    if (!pen) { start = x(world.t[k]); d += base === undefined ? "" : `M${start},${base}`; }
+    d += `${pen || base !== undefined ? "L" : "M"}${x(world.t[k]).toFixed(1)},${y(v * factor).toFixed(1)}`;
+    pen = true;
+  });
+  return pen && base !== undefined ? `${d}L${x(world.t[curve.length - 1])},${base}Z` : d;
+}
+
+function chart(spec) {
+  const host = by(spec.id), w = Math.max(host.clientWidth, 200), h = 150, left = 34, right = 8, top = 8, bottom = 20;
+  const all = WORLDS.flatMap((world) => spec.curves.flatMap(([key, , f]) => world[key].filter((v) => v !== null).map((v) => v * f)));
+  const high = Math.min(Math.max(spec.floor, ...all) * 1.05, spec.cap);
+  const x = (t) => left + ((t - FIRST) / (LAST - FIRST || 1)) * (w - left - right);
+  const y = (v) => h - bottom - (Math.min(Math.max(v, 0), high * 1.02) / high) * (h - bottom - top);
+  host.replaceChildren();
+  const svg = make("svg", { viewBox: `0 0 ${w} ${h}`, height: h, "aria-hidden": "true" }, host);
+  const raw = high / 4, ten = 10 ** Math.floor(Math.log10(raw)), tick = [1, 2, 5, 10].map((m) => m * ten).find((m) => m >= raw);
+  for (let v = 0; v <= high; v += tick) {
+    make("line", { x1: left, x2: w - right, y1: y(v), y2: y(v), class: "grid" }, svg);
+    make("text", { x: left - 5, y: y(v) + 4, "text-anchor": "end" }, svg, String(Math.round(v * 10) / 10));
+  }
+  const every = LAST - FIRST > 24 ? 5 : LAST - FIRST > 12 || w < 300 ? 2 : 1;
+  for (let t = Math.ceil(FIRST / every) * every; t <= LAST; t += every) {
+    make("text", { x: x(t), y: h - 5, "text-anchor": "middle" }, svg, number(t, 0) + (t === 0 ? " s" : ""));
+  }
+  make("line", { x1: x(0), x2: x(0), y1: top, y2: h - bottom, class: "zero" }, svg);
+  if (WORLDS.length > 1) make("line", { x1: x(D.parting), x2: x(D.parting), y1: top, y2: h - bottom, class: "parting" }, svg);
+  WORLDS.forEach((world, n) => {
+    if (spec.area) make("path", { d: trace(world, world[spec.area], x, y, 1, y(0)), class: "area" }, svg);
+    for (const [key, kind, f] of spec.curves) make("path", { d: trace(world, world[key], x, y, f), class: `line ${kind} w${n}` }, svg);
+  });
+  spec.cursor = make("line", { y1: top, y2: h - bottom, class: "cursor" }, svg);
+  const [key, kind, factor] = spec.curves[spec.curves.length - 1];
+  spec.dots = WORLDS.map(() => make("circle", { r: 4, class: `dot ${kind}` }, svg));
+  spec.move = () => {
+    spec.cursor.setAttribute("x1", x(now));
+    spec.cursor.setAttribute("x2", x(now));
+    WORLDS.forEach((world, n) => {
+      const v = value(world[key], world, now);
+      spec.dots[n].setAttribute("visibility", v === null ? "hidden" : "visible");
+      if (v !== null) { spec.dots[n].setAttribute("cx", x(now)); spec.dots[n].setAttribute("cy", y(v * factor)); }
+    });
+  };
+  const seek = (event) => {
+    const box = svg.getBoundingClientRect();
+    stop();
+    go(FIRST + (((event.clientX - box.left) / box.width) * w - left) / (w - left - right) * (LAST - FIRST));
+  };
+  svg.addEventListener("pointerdown", seek);
+  svg.addEventListener("pointermove", (event) => { if (event.buttons) seek(event); });
+}
+
+// ---- playing --------------------------------------------------------------------------------------------------------
+
+function show() {
+  WORLDS.forEach((world, n) => {
+    view(by(`view${n}`), world, WORLDS[1 - n]);
+    by(`now${n}`).textContent = says(world);
+  });
+  for (const spec of CHARTS) spec.move();
+  const text = `${number(now, 1)} s`;
+  by("time").value = now;
+  by("time").setAttribute("aria-valuetext", text);
+  by("clock").textContent = `t = ${text}`;
+}
+
+function go(t) {
+  now = Math.min(Math.max(t, FIRST), LAST);
+  show();
+}
+
+function stop() {
+  playing = false;
+  by("play").textContent = "Play";
+}
+
+function play() {
+  if (playing) { stop(); return; }
+  if (now >= LAST - 1e-6) now = FIRST;
+  playing = true;
+  by("play").textContent = "Pause";
+  before = performance.now();
+  requestAnimationFrame(tick);
+}
+
+function tick(moment) {
+  if (!playing) return;
+  const ahead = (Math.max(moment - before, 0) / 1000) * Number(by("rate").value);
+  // Who wants no motion gets four pictures per second.
+  if (!still.matches || moment - before > 250) {
+    before = moment;
+    go(now + ahead);
+    if (now >= LAST) { stop(); return; }
+  }
+  requestAnimationFrame(tick);
+}
+
+function paint() {
+  const style = getComputedStyle(document.documentElement);
+  for (const name of ["back", "ink", "ground", "road", "mark", "bicycle", "foot", "wall", "ego", "other", "crashed", "rest", "edge", "lights", "aeb"]) {
+    colours[name] = style.getPropertyValue(`--${name}`).trim();
+  }
+}
+
+function lay() {
+  for (const spec of CHARTS) chart(spec);
+  show();
+}
+
+function wider(factor) {
+  zoom = Math.min(Math.max(zoom * factor, 0.25), 6);
+  show();
+}
+
+function fragment() {
+  const told = /[#&]t=(-?[\d.]+)/.exec(location.hash);
+  if (told) { stop(); go(Number(told[1])); }
+}
+
+by("time").min = FIRST;
+by("time").max = LAST;
+by("time").addEventListener("input", () => { stop(); go(Number(by("time").value)); });
+by("play").addEventListener("click", play);
+by("in").addEventListener("click", () => wider(1.4));
+by("out").addEventListener("click", () => wider(1 / 1.4));
+window.addEventListener("hashchange", fragment);
+window.addEventListener("resize", lay);
+window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paint(); show(); });
+document.addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || /SELECT|BUTTON|SUMMARY/.test(event.target.tagName)) return;
+  const keys = {
+    " ": play, "+": () => wider(1.4), "-": () => wider(1 / 1.4),
+    ArrowLeft: () => { stop(); go(now - STEP); }, ArrowRight: () => { stop(); go(now + STEP); },
+    Home: () => { stop(); go(FIRST); }, End: () => { stop(); go(LAST); },
+  };
+  if (keys[event.key]) { event.preventDefault(); keys[event.key](); }
+});
+paint();
+lay();
+fragment();
