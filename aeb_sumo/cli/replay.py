@@ -27,7 +27,7 @@ def replay(folder: Path, event: str, run_id: str | None, before: float, after: f
     target = folder / f"replay-{event.strip().replace(':', '-')}.html" if out is None else out
     if target.is_dir():
         raise InputError(f"--out {target} is a folder, not a file")
-    if not target.parent.is_dir():
+    if out is not None and not target.parent.is_dir():
         raise InputError(f"no folder {target.parent} to write {target.name} into")
     page = make(folder, event, run_id=run_id, before=before, after=after)
     try:

@@ -33,8 +33,8 @@ def check(event: Event, again: Results) -> None:
     now = again.runs.iloc[0]
     raise InputError(
         f"{event.kind}:{event.number} of {run['run_id']} does not happen again when its run is simulated: the "
-        f"scenario, its files or the program have changed since (tables by aeb-sumo {run['aeb_sumo_version']} with SUMO "
-        f"{run['sumo_version']}, now {aeb_sumo.__version__} with {now['sumo_version']})"
+        f"scenario, its files or the program have changed since (tables by aeb-sumo {run['aeb_sumo_version']} with "
+        f"SUMO {run['sumo_version']}, now {aeb_sumo.__version__} with {now['sumo_version']})"
         + (f"; {now['reason']}" if now["outcome"] == "failed" else "")
     )
 

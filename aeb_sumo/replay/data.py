@@ -15,6 +15,7 @@ __all__ = ["data"]
 
 _VIEW = (45.0, 140.0)  # m across a panel, at least and at most
 _NEAR = 3.0  # s from the event for which the view is chosen
+_STRAIGHT = 0.2  # sine of the angle between headings, below which all of them drive along one road
 _ALONG = 0.7  # cosine between headings from which on one follows the other
 _LATE = 10.0  # s, a longer time to collision is of no interest
 
@@ -33,11 +34,13 @@ def data(take: Take) -> dict[str, Any]:
     for film in films[1:]:
         scenery = film.scenery if scenery is None else scenery if film.scenery is None else scenery | film.scenery
     across, shift = _view(take)
+    straight = all(bool((np.abs(np.sin(f.heading - turn)) < _STRAIGHT).all()) for film in films for f in film.frames)
     return {
         "ego": take.event.ego,
         "other": take.partner,
         "turn": _round(turn, 4),
-        "across": across,
+        "across": round(across * (1.3 if straight else 1.0), 1),
+        "straight": straight,
         "shift": shift,
         "parting": _round(take.parting - instant, 3),
         "cast": {

@@ -201,7 +201,7 @@ function says(world) {
   if (ttc !== null) parts.push(`TTC ${number(ttc, 1)} s`);
   if (p && p.wrecked) parts.push("crashed");
   else if (p && (p.phase || brake > 0.05)) parts.push(`AEB ${PHASES[p.phase] || "lets go"}${brake > 0.05 ? `, ${number(brake, 1)} m/s\u00b2` : ""}`);
-  return parts.join(" \u00b7 ");
+  return parts.map((part) => part.replaceAll(" ", "\u00a0")).join(" \u00b7 ");
 }
 
 // ---- the charts -----------------------------------------------------------------------------------------------------
@@ -240,7 +240,7 @@ function chart(spec) {
   const y = (v) => h - bottom - (Math.min(Math.max(v, 0), high * 1.02) / high) * (h - bottom - top);
   host.replaceChildren();
   const svg = make("svg", { viewBox: `0 0 ${w} ${h}`, height: h, "aria-hidden": "true" }, host);
-  const raw = high / 4, ten = 10 ** Math.floor(Math.log10(raw)), tick = [1, 2, 5, 10].map((m) => m * ten).find((m) => m >= raw);
+  const raw = high / 4, ten = 10 ** Math.floor(Math.log10(raw)), tick = [1, 2, 2.5, 5, 10].map((m) => m * ten).find((m) => m >= raw);
   for (let v = 0; v <= high; v += tick) {
     make("line", { x1: left, x2: w - right, y1: y(v), y2: y(v), class: "grid" }, svg);
     make("text", { x: left - 5, y: y(v) + 4, "text-anchor": "end" }, svg, String(Math.round(v * 10) / 10));

@@ -76,8 +76,8 @@ def _title(take: Take) -> str:
 
 def _judged(take: Take) -> str:
     if take.event.intervention is None:
-        return f"With {take.event.system.name} the crash would have been"
-    return "The intervention" + (f" of {take.event.ego}" if take.event.kind == "crash" else "")
+        return f"Verdict on {take.event.system.name}, had it been there"
+    return "Verdict on the intervention" + (f" of {take.event.ego}" if take.event.kind == "crash" else "")
 
 
 def _verdict(take: Take) -> tuple[str, str]:
@@ -106,9 +106,10 @@ def _note(take: Take) -> str:
         )
     whose = "it" if event.kind == "intervention" else f"the intervention of {event.ego}"
     begin = float(event.intervention["begin_s"])
+    which = "this" if event.kind == "intervention" else "that"
     return (
         f"The other world is a copy of this one, made {take.parting - begin:.1f} s after {whose} began, in which "
-        f"{'this' if event.kind == 'intervention' else 'that'} intervention does not take place. Nothing else is changed."
+        f"{which} intervention does not take place. Nothing else is changed."
         + (f" It was for {event.other}; the gap is that to {take.partner}." if take.partner != event.other else "")
     )
 
