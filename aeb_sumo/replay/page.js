@@ -71,12 +71,14 @@ function ground(c) {
 }
 
 function body(c, name, p, px, dashed) {
-  const [, length, width] = D.cast[name];
+  const [vclass, length, width] = D.cast[name];
   c.save();
   c.translate(p.x, p.y);
   c.rotate(p.h);
-  const box = () => { c.beginPath(); c.roundRect(-length, -width / 2, length, width, Math.min(width / 3, 0.5)); };
-  box();
+  c.beginPath();
+  // Who is on foot would be a speck.
+  if (vclass === "pedestrian") c.arc(-length / 2, 0, Math.max(length / 2, 4 * px), 0, 7);
+  else c.roundRect(-length, -width / 2, length, width, Math.min(width / 3, 0.5));
   if (dashed) {
     c.setLineDash([4 * px, 3 * px]);
     c.strokeStyle = colours.ego;
@@ -91,7 +93,7 @@ function body(c, name, p, px, dashed) {
   c.lineWidth = px;
   c.stroke();
   if (p.wrecked) {
-    c.strokeStyle = "#fff";
+    c.strokeStyle = colours.back;
     c.lineWidth = 1.5 * px;
     c.beginPath();
     c.moveTo(-length * 0.85, -width * 0.35); c.lineTo(-length * 0.15, width * 0.35);
@@ -220,11 +222,11 @@ function make(tag, attributes, parent, text) {
   return node;
 }
 
-/** SVG path of a curve, with gaps where it is not known. */
-function trace(world, curve, x, y, factor, base) {
+/** SVG path of a curve, with gaps where it is not known or too high; down to a base, if there is one. */
+function trace(world, curve, x, y, factor, high, base) {
   let d = "", pen = false, start = 0;
   curve.forEach((v, k) => {
-    if (v === null) { if (pen && base !== undefined) d += `L${x(world.t[k - 1])},${base}L${start},${base}Z`; pen = false; return; }
+    if (v === null || v * factor > high) { if (pen && base !== undefined) d += `L${x(world.t[k - 1])},${base}L${start},${base}Z`; pen = false; return; }
     if (!pen) { start = x(world.t[k]); d += base === undefined ? "" : `M${start},${base}`; }
     d += `${pen || base !== undefined ? "L" : "M"}${x(world.t[k]).toFixed(1)},${y(v * factor).toFixed(1)}`;
     pen = true;
@@ -237,7 +239,7 @@ function chart(spec) {
   const all = WORLDS.flatMap((world) => spec.curves.flatMap(([key, , f]) => world[key].filter((v) => v !== null).map((v) => v * f)));
   const high = Math.min(Math.max(spec.floor, ...all) * 1.05, spec.cap);
   const x = (t) => left + ((t - FIRST) / (LAST - FIRST || 1)) * (w - left - right);
-  const y = (v) => h - bottom - (Math.min(Math.max(v, 0), high * 1.02) / high) * (h - bottom - top);
+  const y = (v) => h - bottom - (Math.min(Math.max(v, 0), high) / high) * (h - bottom - top);
   host.replaceChildren();
   const svg = make("svg", { viewBox: `0 0 ${w} ${h}`, height: h, "aria-hidden": "true" }, host);
   const raw = high / 4, ten = 10 ** Math.floor(Math.log10(raw)), tick = [1, 2, 2.5, 5, 10].map((m) => m * ten).find((m) => m >= raw);
@@ -252,8 +254,8 @@ function chart(spec) {
   make("line", { x1: x(0), x2: x(0), y1: top, y2: h - bottom, class: "zero" }, svg);
   if (WORLDS.length > 1) make("line", { x1: x(D.parting), x2: x(D.parting), y1: top, y2: h - bottom, class: "parting" }, svg);
   WORLDS.forEach((world, n) => {
-    if (spec.area) make("path", { d: trace(world, world[spec.area], x, y, 1, y(0)), class: "area" }, svg);
-    for (const [key, kind, f] of spec.curves) make("path", { d: trace(world, world[key], x, y, f), class: `line ${kind} w${n}` }, svg);
+    if (spec.area) make("path", { d: trace(world, world[spec.area], x, y, 1, high, y(0)), class: "area" }, svg);
+    for (const [key, kind, f] of spec.curves) make("path", { d: trace(world, world[key], x, y, f, high), class: `line ${kind} w${n}` }, svg);
   });
   spec.cursor = make("line", { y1: top, y2: h - bottom, class: "cursor" }, svg);
   const [key, kind, factor] = spec.curves[spec.curves.length - 1];

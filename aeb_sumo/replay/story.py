@@ -106,9 +106,11 @@ def _note(take: Take) -> str:
         )
     whose = "it" if event.kind == "intervention" else f"the intervention of {event.ego}"
     begin = float(event.intervention["begin_s"])
+    late = take.parting - begin
+    when = f"{late:.1f} s after" if late > 0 else "when"
     which = "this" if event.kind == "intervention" else "that"
     return (
-        f"The other world is a copy of this one, made {take.parting - begin:.1f} s after {whose} began, in which "
+        f"The other world is a copy of this one, made {when} {whose} began, in which "
         f"{which} intervention does not take place. Nothing else is changed."
         + (f" It was for {event.other}; the gap is that to {take.partner}." if take.partner != event.other else "")
     )
@@ -132,9 +134,10 @@ def _outcome(take: Take, world: World) -> str:
 
 
 def _hit(contact: Contact, instant: float) -> str:
+    when = f"{contact.time - instant:.1f}".replace("-", "−")
     return (
         f"{contact.striker} hits {contact.struck} at {contact.speed:.1f} m/s ({contact.speed * _KMH:.0f} km/h), "
-        f"t = {contact.time - instant:.1f} s."
+        f"t = {when} s."
     )
 
 
