@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from aeb_sumo.errors import InputError
-from aeb_sumo.replay import replay as make
+from aeb_sumo.replay import film, find, page
 
 __all__ = ["replay"]
 
@@ -29,9 +29,11 @@ def replay(folder: Path, event: str, run_id: str | None, before: float, after: f
         raise InputError(f"--out {target} is a folder, not a file")
     if out is not None and not target.parent.is_dir():
         raise InputError(f"no folder {target.parent} to write {target.name} into")
-    page = make(folder, event, run_id=run_id, before=before, after=after)
+    found = find(folder, event, run_id)
+    click.echo(f"simulating {found.run['run_id']} again, until {found.end + after:.0f} s", err=True)
+    html = page(film(found, before=before, after=after))
     try:
-        target.write_text(page, encoding="utf-8")
+        target.write_text(html, encoding="utf-8")
     except OSError as error:
         raise InputError(f"cannot write {target}: {error.strerror}") from None
     click.echo(f"{target}: open it in a browser.")

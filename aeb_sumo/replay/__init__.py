@@ -12,7 +12,7 @@ from aeb_sumo.replay.page import page
 from aeb_sumo.replay.take import Take
 from aeb_sumo.simulate import run
 
-__all__ = ["film", "replay"]
+__all__ = ["film", "find", "page", "replay"]
 
 _LONGEST = 120.0  # s of film before or after an event, our assumption: pages shall stay small
 
@@ -24,39 +24,46 @@ def replay(folder: Path, text: str, *, run_id: str | None = None, before: float 
         folder: with the tables.
         text: `crash:ID` or `intervention:ID`.
         run_id: the run; None if only one of the folder has such an event.
-        before: film before the event [s], our assumption.
-        after: film after it [s], our assumption; at least as long as the window of a verdict.
+        before: as for `film` [s].
+        after: as for `film` [s].
 
     Raises:
         InputError: the input is bad, or the run does not come out as the tables have it.
     """
-    for name, value in (("before", before), ("after", after)):
-        if not 0 <= value <= _LONGEST:
-            raise InputError(f"seconds {name} the event must lie within 0..{_LONGEST:g}, not {value:g}")
     return page(film(find(folder, text, run_id), before=before, after=after))
 
 
 def film(event: Event, *, before: float = 5.0, after: float = 6.0) -> Take:
     """Simulate the run of an event again, until it is over, and film it in both worlds.
 
+    Args:
+        event: which.
+        before: film before the event [s], our assumption; at least a second before the worlds part.
+        after: film after it [s], our assumption; at least for as long as a verdict looks.
+
     Raises:
-        InputError: the run cannot be repeated, or does not come out as the tables have it.
+        InputError: seconds are out of range, the run cannot be repeated, or it does not come out as the tables have it.
     """
+    for name, value in (("before", before), ("after", after)):
+        if not 0 <= value <= _LONGEST:
+            raise InputError(f"seconds {name} the event must lie within 0..{_LONGEST:g}, not {value:g}")
     made = settings(event.run)
     director = Director(event, mu=made.scenario.mu, before=before, after=after)
-    equip = made.equip if event.intervention is not None else _with(made.equip, event)
-    again = run(
-        made.scenario,
-        equip=equip,
-        seed=made.seed,
-        duration=director.end - float(event.run["begin_s"]) + made.step_length,
-        step_length=made.step_length,
-        blockage=made.blockage,
-        trace=director,
-        stop=lambda: director.done,
-    )
-    check(event, again)
-    factual, answer = director.worlds()
+    try:
+        again = run(
+            made.scenario,
+            equip=made.equip if event.intervention is not None else _with(made.equip, event),
+            seed=made.seed,
+            duration=director.end - float(event.run["begin_s"]) + made.step_length,
+            step_length=made.step_length,
+            blockage=made.blockage,
+            trace=director,
+            stop=lambda: director.done,
+        )
+        check(event, again)
+        factual, answer = director.worlds()
+    finally:
+        director.end_forks()
     return Take(event=event, parting=director.parting, factual=factual, other=answer.value, reason=answer.failure)
 
 

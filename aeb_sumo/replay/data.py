@@ -25,6 +25,7 @@ def data(take: Take) -> dict[str, Any]:
 
     Per world: `t` the frames; `tracks` of all road users, each from its first frame `k` on (front bumper `x`, `y`,
     heading `h`, speed `v`, null while it is not near; `a` the AEB's phases, `w` the frame from which on it is a wreck);
+    `lights` of lanes;
     `gap`, `ttc` (of one who follows), `speed`, `other`, `decel` and `brake`, the curves; `contacts`. What the ego and
     its AEB do is that of the step before a frame, and unknown of a wreck.
     """
@@ -49,8 +50,14 @@ def data(take: Take) -> dict[str, Any]:
             for name, body in film.cast.items()
         },
         "lanes": [
-            {"p": _line(lane.shape, origin), "w": _round(lane.width), "kind": lane.kind, "inside": lane.inside}
-            for lane in (scenery.lanes.values() if scenery else ())
+            {
+                "id": name,
+                "p": _line(lane.shape, origin),
+                "w": _round(lane.width),
+                "kind": lane.kind,
+                "inside": lane.inside,
+            }
+            for name, lane in (scenery.lanes.items() if scenery else ())
         ],
         "junctions": [_line(shape, origin) for shape in (scenery.junctions.values() if scenery else ())],
         "walls": [_line((wall[:2], wall[2:]), origin) for wall in (scenery.walls if scenery else ())],
@@ -78,6 +85,7 @@ def _world(world: World, take: Take, instant: float, origin: Floats) -> dict[str
         "decel": _list(np.where(driven, -film.curve(ego, "accel"), np.nan), 3),
         "brake": _list(np.where(driven, np.concatenate([[np.nan], braked[:-1]]), np.nan), 3),
         "tracks": _tracks(film, origin),
+        "lights": _lights(film),
         "contacts": [
             {
                 "t": _round(c.time - instant, 4),
@@ -111,6 +119,18 @@ def _tracks(film: Film, origin: Floats) -> dict[str, Any]:
             "w": wrecked,
         }
     return tracks
+
+
+def _lights(film: Film) -> dict[str, list[list[Any]]]:
+    """Per lane, from which frame on its signals show what, from the right, in SUMO's letters."""
+    result: dict[str, list[list[Any]]] = {}
+    for lane, heads in (film.scenery.heads if film.scenery else {}).items():
+        changes = result[lane] = []
+        for k, frame in enumerate(film.frames):
+            state = "".join(frame.lights[light][place] for light, place in heads)
+            if not changes or changes[-1][1] != state:
+                changes.append([k, state])
+    return result
 
 
 def _stage(take: Take) -> tuple[Floats, float]:

@@ -96,8 +96,13 @@ class Director:
     def worlds(self) -> tuple[World, Answer]:
         """The world as it was, and the other one, a `World`, or why there is none."""
         answers = self._forks.answers(wait=True)
-        factual = self._factual or self._world()
+        # Where SUMO gave up before the end, there was nobody left to ask for the road.
+        factual = self._factual or World(self._camera.film, self._outcome())
         return factual, Answer(failure=self._obstacle) if self._fork is None else answers[self._fork]
+
+    def end_forks(self) -> None:
+        """Give up the other world, if it is still out."""
+        self._forks.end()
 
     def _look(self) -> None:
         """The books of a step."""
@@ -161,5 +166,7 @@ class Director:
         return self._world()
 
     def _world(self) -> World:
-        outcome = Outcome() if self._witness is None else self._witness.outcome()
-        return World(self._camera.cut(), outcome, self._equipped)
+        return World(self._camera.cut(), self._outcome(), self._equipped)
+
+    def _outcome(self) -> Outcome:
+        return Outcome() if self._witness is None else self._witness.outcome()

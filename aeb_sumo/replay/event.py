@@ -120,7 +120,10 @@ def _intervention(results: Results, crash: Row) -> Row | None:
 
 
 def _system(runs: pd.DataFrame, run: Row) -> System:
-    """The AEB that the run carries; of a baseline, that of the folder's next run, of its own seed if there is one."""
+    """The AEB that the run carries; of a baseline, that of another run, of the same scenario and seed if there is one.
+
+    Of several systems in one run it is the first by name.
+    """
     equipped = runs[runs["strategy"] != "none"]
     own = equipped["run_id"] == run["run_id"]
     seed = equipped["seed"] == run["seed"]

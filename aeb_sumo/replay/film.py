@@ -7,7 +7,7 @@ import numpy as np
 from aeb_sumo.engine import Engine
 from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.world.contact import Boxes, distance
-from aeb_sumo.world.scenery import Scenery, scenery
+from aeb_sumo.world.scenery import Scenery, lights, scenery
 from aeb_sumo.world.wrecks import Crash
 
 __all__ = ["Body", "Camera", "Contact", "Film", "Frame"]
@@ -37,6 +37,7 @@ class Frame:
         brake: (n,) deceleration by the AEB in the step to come [m/s2].
         phase: (n,) of the AEB, a `Phase`.
         wrecked: (n,).
+        lights: traffic light -> its state, in SUMO's letters.
     """
 
     time: float
@@ -49,6 +50,7 @@ class Frame:
     brake: Floats
     phase: Ints
     wrecked: Bools
+    lights: dict[str, str]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,6 +164,7 @@ class Camera:
             brake=fleet.decel[rows],
             phase=fleet.demand.phase[rows],
             wrecked=self._engine.wrecks.wrecked[rows],
+            lights=lights(),
         )
 
     def cut(self) -> Film:

@@ -70,6 +70,28 @@ function ground(c) {
   for (const wall of D.walls) { path(c, wall, false); c.stroke(); }
 }
 
+/** A bar per signal at the end of its lane: red is thick, green is thin. */
+function signals(c, world) {
+  const [frame] = place(world, now);
+  for (const lane of D.lanes) {
+    const changes = world.lights[lane.id];
+    if (!changes) continue;
+    const state = changes.filter(([k]) => k <= frame).pop()[1], n = lane.p.length;
+    const [x0, y0, x, y] = lane.p.slice(n - 4), turn = Math.atan2(y - y0, x - x0);
+    c.save();
+    c.translate(x, y);
+    c.rotate(turn);
+    [...state.toLowerCase()].forEach((letter, k) => {
+      const thick = { r: 1, u: 1, y: 0.7, g: 0.4 }[letter];
+      if (!thick) return;
+      const wide = lane.w / state.length;
+      c.fillStyle = letter === "g" ? colours.green : letter === "y" ? colours.yellow : colours.red;
+      c.fillRect(-thick, -lane.w / 2 + k * wide + 0.1, thick, wide - 0.2);
+    });
+    c.restore();
+  }
+}
+
 function body(c, name, p, px, dashed) {
   const [vclass, length, width] = D.cast[name];
   c.save();
@@ -89,8 +111,9 @@ function body(c, name, p, px, dashed) {
   }
   c.fillStyle = p.wrecked ? colours.crashed : name === D.ego ? colours.ego : name === D.other ? colours.other : colours.rest;
   c.fill();
-  c.strokeStyle = colours.edge;
-  c.lineWidth = px;
+  const ours = p.wrecked && name === D.ego ? colours.ego : p.wrecked && name === D.other ? colours.other : "";
+  c.strokeStyle = ours || colours.edge;
+  c.lineWidth = ours ? 2.5 * px : px;
   c.stroke();
   if (p.wrecked) {
     c.strokeStyle = colours.back;
@@ -147,6 +170,7 @@ function view(canvas, world, twin) {
   c.rotate(-D.turn);
   c.translate(-mid.x, -mid.y);
   ground(c);
+  signals(c, world);
   const there = [];
   for (const name of Object.keys(world.tracks)) {
     const p = pose(world, name, now);
@@ -325,7 +349,7 @@ function tick(moment) {
 
 function paint() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["back", "ink", "ground", "road", "mark", "bicycle", "foot", "wall", "ego", "other", "crashed", "rest", "edge", "lights", "aeb"]) {
+  for (const name of ["back", "ink", "ground", "road", "mark", "bicycle", "foot", "wall", "ego", "other", "crashed", "rest", "edge", "lights", "aeb", "red", "yellow", "green"]) {
     colours[name] = style.getPropertyValue(`--${name}`).trim();
   }
 }

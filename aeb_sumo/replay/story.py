@@ -102,7 +102,7 @@ def _note(take: Take) -> str:
     if event.intervention is None:
         return (
             f"The other world parts from this one {event.instant - take.parting:.1f} s before the crash: from then on "
-            f"{' and '.join(take.other.equipped)} carries the AEB {event.system.name}. Nothing else is changed."
+            f"the AEB {event.system.name} is in {' and '.join(take.other.equipped)}. Nothing else is changed."
         )
     whose = "it" if event.kind == "intervention" else f"the intervention of {event.ego}"
     begin = float(event.intervention["begin_s"])

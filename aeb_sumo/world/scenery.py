@@ -1,4 +1,4 @@
-"""What stands still: the road and the buildings around a place, for drawings."""
+"""The stage: roads, buildings and signals around a place, for drawings."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import libsumo
 from aeb_sumo.soa import Floats
 from aeb_sumo.world.buildings import walls
 
-__all__ = ["Lane", "Scenery", "scenery"]
+__all__ = ["Lane", "Scenery", "lights", "scenery"]
 
 Points = tuple[tuple[float, float], ...]
 
@@ -31,16 +31,27 @@ class Lane:
 
 @dataclass(frozen=True)
 class Scenery:
-    """Lanes by id, outlines of junctions by id [m], and walls, x and y of either end [m]."""
+    """What stands still.
+
+    Attributes:
+        lanes: by id.
+        junctions: their outlines, by id [m].
+        walls: x and y of either end [m].
+        heads: lane -> the signals at its end, from the right: traffic light, and place in what `lights` says of it.
+    """
 
     lanes: dict[str, Lane]
     junctions: dict[str, Points]
     walls: tuple[tuple[float, ...], ...]
+    heads: dict[str, tuple[tuple[str, int], ...]]
 
     def __or__(self, other: "Scenery") -> "Scenery":
         """What is in either."""
         return Scenery(
-            self.lanes | other.lanes, self.junctions | other.junctions, tuple(dict.fromkeys(self.walls + other.walls))
+            lanes=self.lanes | other.lanes,
+            junctions=self.junctions | other.junctions,
+            walls=tuple(dict.fromkeys(self.walls + other.walls)),
+            heads=self.heads | other.heads,
         )
 
 
@@ -63,7 +74,23 @@ def scenery(low: Floats, high: Floats) -> Scenery:
         lanes=lanes,
         junctions={j: shape for j, shape in outlines.items() if len(shape) > 2 and near(shape)},
         walls=tuple(wall for wall in map(tuple, walls().tolist()) if near((wall[:2], wall[2:]))),
+        heads={lane: tuple(heads) for lane, heads in _heads().items() if lane in lanes and not lanes[lane].inside},
     )
+
+
+def lights() -> dict[str, str]:
+    """Traffic light -> its state now, in SUMO's letters."""
+    get = libsumo.trafficlight
+    return {light: str(get.getRedYellowGreenState(light)) for light in get.getIDList()}
+
+
+def _heads() -> dict[str, list[tuple[str, int]]]:
+    found: dict[str, list[tuple[str, int]]] = {}
+    for light in libsumo.trafficlight.getIDList():
+        for place, links in enumerate(libsumo.trafficlight.getControlledLinks(light)):
+            for lane in dict.fromkeys(link[0] for link in links):
+                found.setdefault(lane, []).append((light, place))
+    return found
 
 
 def _points(shape: tuple[tuple[float, ...], ...]) -> Points:

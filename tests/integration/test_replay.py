@@ -1,5 +1,7 @@
 import json
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -202,3 +204,37 @@ def test_a_run_that_comes_out_otherwise_is_refused_with_both_versions(folder):
     other = replace(find(folder, "intervention:0", AVOIDED), run={**event.run, "mu": 0.3, "run_id": "track-mu0.3-none"})
     with pytest.raises(InputError, match=r"intervention:0 of .* does not happen again"):
         film(other)
+
+
+@pytest.mark.slow
+def test_at_an_intersection_every_verdict_is_that_of_its_replay(tmp_path):
+    write(run(scenarios.load("w0"), "zhao2025", seed=1, duration=105.0, verdicts="all"), tmp_path)
+    rows = read(tmp_path).interventions
+    assert {"avoided", "precautionary", "unneeded"} <= set(rows["verdict"])
+    for number in rows.groupby("verdict")["intervention_id"].first():
+        take = film(find(tmp_path, f"intervention:{number}"))
+        row, hardest = take.event.row, take.other.outcome.hardest
+        assert take.verdict == row["verdict"]
+        assert (hardest is not None) == row["without_crash"]
+        assert hardest is None or hardest.impact_speed == row["without_impact_speed_mps"]
+        for world, name in zip(take.worlds, ("with", "without"), strict=True):
+            assert world.outcome.min_gap == row[f"{name}_min_gap_m"] or np.isnan(row[f"{name}_min_gap_m"])
+
+
+def test_the_command_writes_one_file_and_bad_input_none(folder):
+    def command(*words):
+        line = [sys.executable, "-m", "aeb_sumo", "replay", str(folder), *words]
+        return subprocess.run(line, capture_output=True, text=True, check=False)
+
+    before = sorted(folder.rglob("*"))
+    bad = command("crash:0")
+    assert bad.returncode == 2
+    assert bad.stderr.count("\n") == 1
+    assert "choose one with --run" in bad.stderr
+    assert sorted(folder.rglob("*")) == before
+    good = command("crash:0", "--run", LATE)
+    assert good.returncode == 0, good.stderr
+    (made,) = set(folder.rglob("*")) - set(before)
+    assert made == folder / "replay-crash-0.html"
+    assert made.read_text() == replay(folder, "crash:0", run_id=LATE)
+    made.unlink()
