@@ -64,7 +64,7 @@ def film(event: Event, *, before: float = 5.0, after: float = 6.0) -> Take:
         factual, answer = director.worlds()
     finally:
         director.end_forks()
-    return Take(event=event, parting=director.parting, factual=factual, other=answer.value, reason=answer.failure)
+    return Take(event=event, forked=director.forking, factual=factual, other=answer.value, reason=answer.failure)
 
 
 def _with(carried: Equipment, event: Event) -> Equipment:

@@ -1,7 +1,6 @@
 """Both worlds of an event on film: a recorder that looks on while the run is simulated again, and forks it."""
 
 from dataclasses import dataclass
-from math import isnan
 
 from aeb_sumo.engine import Engine
 from aeb_sumo.ledger.conflicts import Conflicts
@@ -45,22 +44,17 @@ class Director:
         before, after: film before and after the event [s].
 
     Attributes:
-        parting: when the worlds part [s].
+        forking: when the world is forked [s]: when the intervention begins, for its warning may reach the driver at any
+            time from then on; or so long before a crash without one.
         end: of the film [s].
         done: the film of this world is complete.
     """
 
     def __init__(self, event: Event, *, mu: float, before: float, after: float) -> None:
         self._event, self._mu = event, mu
-        parting, looks = event.instant - LEAD, event.instant - LEAD
-        if event.intervention is not None:
-            looks = float(event.intervention["begin_s"])
-            acted = float(event.intervention["acted_s"])
-            parting = looks if isnan(acted) else acted  # nan: it never did, or nobody looked
-        self.parting = parting
-        self._looks_from = looks
-        self._start = min(event.instant - before, looks - _RUN_UP)
-        self.end = max(event.end + after, looks + WINDOW)
+        self.forking = event.instant - LEAD if event.intervention is None else float(event.intervention["begin_s"])
+        self._start = min(event.instant - before, self.forking - _RUN_UP)
+        self.end = max(event.end + after, self.forking + WINDOW)
         self.done = False
         self._forks = Forks()
         self._fork: int | None = None
@@ -85,9 +79,9 @@ class Director:
             return
         self._look()
         ego = self._camera.slot(self._event.ego)
-        if self._witness is None and time > self._looks_from - half and ego is not None:
+        if self._witness is None and time > self.forking - half and ego is not None:
             self._witness = Witness(self._engine, self._conflicts, ego)
-        if self._fork is None and time > self.parting - half and self._ready():
+        if self._fork is None and time > self.forking - half and self._ready():
             self._part()
         if time > self.end - half:
             self.done = True
@@ -111,7 +105,7 @@ class Director:
             conflicts.crash(crash.impact.striker, crash.impact.struck)
         conflicts.step(engine.time, engine.leads, engine.paths.crossings, engine.wrecks.wrecked, engine.fleet.equipped)
         self._camera.take()
-        if self._witness is not None and engine.time < self._looks_from + WINDOW + engine.traffic.dt / 2:
+        if self._witness is not None and engine.time < self.forking + WINDOW + engine.traffic.dt / 2:
             self._witness.step()
 
     def _ready(self) -> bool:

@@ -19,5 +19,8 @@ def page(take: Take) -> str:
     # `tojson` writes < > & \' as escapes, so that no name can end the script.
     environment.policies["json.dumps_kwargs"] = {"sort_keys": True, "separators": (",", ":"), "allow_nan": False}
     template = environment.from_string((here / "page.html.jinja").read_text(encoding="utf-8"))
-    ours = {name: Markup((here / f"page.{name}").read_text(encoding="utf-8")) for name in ("css", "js")}  # noqa: S704
-    return template.render(story=story(take), data=data(take), **ours)
+    css, view, play = (
+        Markup((here / name).read_text(encoding="utf-8"))  # noqa: S704 - our own
+        for name in ("page.css", "view.js", "play.js")
+    )
+    return template.render(story=story(take), data=data(take), css=css, js=view + play)

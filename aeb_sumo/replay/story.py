@@ -104,14 +104,12 @@ def _note(take: Take) -> str:
             f"The other world parts from this one {event.instant - take.parting:.1f} s before the crash: from then on "
             f"the AEB {event.system.name} is in {' and '.join(take.other.equipped)}. Nothing else is changed."
         )
-    whose = "it" if event.kind == "intervention" else f"the intervention of {event.ego}"
-    begin = float(event.intervention["begin_s"])
-    late = take.parting - begin
-    when = f"{late:.1f} s after" if late > 0 else "when"
-    which = "this" if event.kind == "intervention" else "that"
+    whose, which = ("it", "this") if event.kind == "intervention" else (f"the intervention of {event.ego}", "that")
+    acted, later = str(event.intervention["acted_by"]), take.parting - take.forked
     return (
-        f"The other world is a copy of this one, made {when} {whose} began, in which "
-        f"{which} intervention does not take place. Nothing else is changed."
+        f"The other world is a copy of this one, made when {whose} began, in which {which} intervention does not take "
+        "place. Nothing else is changed."
+        + (f" Until it acts {later:.1f} s later, by its {acted}, the two are the same." if acted else "")
         + (f" It was for {event.other}; the gap is that to {take.partner}." if take.partner != event.other else "")
     )
 

@@ -1,6 +1,7 @@
 """An event, filmed in both worlds."""
 
 from dataclasses import dataclass
+from math import isnan, nan
 
 from aeb_sumo.replay.director import World
 from aeb_sumo.replay.event import Event
@@ -15,14 +16,14 @@ class Take:
 
     Attributes:
         event: as in the tables.
-        parting: when the worlds part [s].
+        forked: when the other world was made [s].
         factual: the world as it was.
         other: the other world; None: there is none.
         reason: why; else empty.
     """
 
     event: Event
-    parting: float
+    forked: float
     factual: World
     other: World | None
     reason: str = ""
@@ -31,6 +32,12 @@ class Take:
     def worlds(self) -> list[World]:
         """Those that there are."""
         return [self.factual, *([] if self.other is None else [self.other])]
+
+    @property
+    def parting(self) -> float:
+        """From when on the two worlds differ [s]: when the intervention first acts on this one, if that is known."""
+        acted = nan if self.event.intervention is None else float(self.event.intervention["acted_s"])
+        return self.forked if isnan(acted) else acted
 
     @property
     def partner(self) -> str:
