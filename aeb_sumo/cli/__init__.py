@@ -9,6 +9,7 @@ from aeb_sumo.cli.calibrate import calibrate
 from aeb_sumo.cli.drivers import drivers
 from aeb_sumo.cli.intersection import intersection
 from aeb_sumo.cli.ncap import ncap
+from aeb_sumo.cli.replay import replay
 from aeb_sumo.cli.report import report
 from aeb_sumo.cli.reproduce import reproduce
 from aeb_sumo.cli.run import run
@@ -25,7 +26,7 @@ def cli() -> None:
     """What an automatic emergency brake (AEB) does to real traffic."""
 
 
-for command in (run, compare, report, tables, sweep, drivers, calibrate, intersection, reproduce, ncap):
+for command in (run, compare, report, replay, tables, sweep, drivers, calibrate, intersection, reproduce, ncap):
     cli.add_command(command)
 
 
