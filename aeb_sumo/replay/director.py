@@ -96,7 +96,7 @@ class Director:
 
     def end_forks(self) -> None:
         """Give up the other world, if it is still out."""
-        self._forks.end()
+        self._forks.end("the film is over")
 
     def _look(self) -> None:
         """The books of a step."""

@@ -9,8 +9,8 @@ import numpy as np
 from aeb_sumo.replay.director import World
 from aeb_sumo.replay.film import Contact
 from aeb_sumo.replay.take import Take
+from aeb_sumo.results import VERDICTS
 from aeb_sumo.results.command import arguments, shell
-from aeb_sumo.verdicts.judge import VERDICTS
 
 __all__ = ["Story", "story"]
 
