@@ -15,6 +15,7 @@ from aeb_sumo.results.command import arguments, shell
 __all__ = ["Story", "story"]
 
 _KMH = 3.6
+_NO_BREAK = "\N{NO-BREAK SPACE}"  # between a number and its unit
 _TOLD = 3  # crashes that are told one by one
 _PHASES = {"warn": "warns", "partial_brake": "brakes partially", "full_brake": "brakes fully"}
 
@@ -127,16 +128,14 @@ def _outcome(take: Take, world: World) -> str:
         more = len(contacts) - _TOLD
         return told + (f" {more} more crashes follow." if more > 1 else " One more crash follows." if more == 1 else "")
     gaps = world.film.gap(event.ego, take.partner)[world.film.times >= take.parting]
-    least = f" Smallest gap to {take.partner}: {np.nanmin(gaps):.1f} m." if np.isfinite(gaps).any() else ""
+    least = f" Smallest gap to {take.partner}: {np.nanmin(gaps):.1f}{_NO_BREAK}m." if np.isfinite(gaps).any() else ""
     return f"No crash.{least}"
 
 
 def _hit(contact: Contact, instant: float) -> str:
     when = f"{contact.time - instant:.1f}".replace("-", "−")
-    return (
-        f"{contact.striker} hits {contact.struck} at {contact.speed:.1f} m/s ({contact.speed * _KMH:.0f} km/h), "
-        f"t = {when} s."
-    )
+    speed = f"{contact.speed:.1f}~m/s ({contact.speed * _KMH:.0f}~km/h), t~=~{when}~s.".replace("~", _NO_BREAK)
+    return f"{contact.striker} hits {contact.struck} at {speed}"
 
 
 def _facts(take: Take) -> list[tuple[str, str]]:

@@ -193,11 +193,14 @@ function view(canvas, world, twin) {
   }
   c.font = "600 12px system-ui, sans-serif";
   c.textAlign = "center";
-  for (const [name, p] of there.filter(([n]) => n === D.ego || n === D.other)) {
+  const named = there.filter(([n]) => n === D.ego || n === D.other).map(([name, p]) => {
     const [, length, width] = D.cast[name];
-    const [x, y] = screen(p.x - (length / 2) * Math.cos(p.h), p.y - (length / 2) * Math.sin(p.h));
+    return [name, p, length, width, ...screen(p.x - (length / 2) * Math.cos(p.h), p.y - (length / 2) * Math.sin(p.h))];
+  });
+  named.sort((a, b) => a[5] - b[5]);  // the upper one has its name above it
+  for (const [name, p, length, width, x, y] of named) {
     const high = (Math.abs(Math.sin(p.h - D.turn)) * length + width) * scale / 2 + 9;
-    const up = name === D.ego ? y - high : y + high + 8;
+    const up = name === named[0][0] ? y - high : y + high + 8;
     c.lineWidth = 3;
     c.strokeStyle = colours.back;
     c.strokeText(name, x, up);

@@ -35,6 +35,7 @@ PROBE = """
   slider.value = 1; slider.dispatchEvent(new Event("input")); note("slid", clock());
   note("range", slider.min + " " + slider.max);
   document.getElementById("play").click(); note("playing", document.getElementById("play").textContent);
+  tick(before + 500); note("played", clock());  // what the browser does when it wants a picture half a second later
   note("wide", document.documentElement.scrollWidth);
 }</script></body>"""
 
@@ -81,7 +82,7 @@ def test_it_draws_plays_and_listens_without_an_error(page, tmp_path):
     assert found["end"] == f"t = {high:.1f} s"
     assert found["slid"] == "t = 1.0 s"
     assert found["playing"] == "Pause"
-    assert not re.search(r'id="clock"[^>]*>t = 1\.0 s<', document), "it does not move while it plays"
+    assert found["played"] == "t = 1.5 s"
 
 
 @pytest.mark.parametrize("width", [400, 1400])
