@@ -53,7 +53,7 @@ def print_pairs(frame: pd.DataFrame, title: str) -> None:
     names = ("count", "primary", "intervened", "diverged", "percent", "low", "high")
     for name in ("", "", "crashes", "of these primary", "an AEB acted", "no AEB acted", "%", "95 % from", "to"):
         table.add_column(name, justify="right" if name else "left")
-    for key, row in frame.iterrows():
+    for key, (_, row) in zip(frame.index.to_list(), frame.iterrows(), strict=True):
         cells = [_cell(row[name], whole=is_integer_dtype(frame[name]), sign=False) for name in names]
         table.add_row(*(str(k) for k in key), *cells)
     console().print(table)
