@@ -73,7 +73,7 @@ class Forks:
     """
 
     def __init__(self, limit: int | None = None, patience: float = 120.0) -> None:
-        self._limit = max(1, len(os.sched_getaffinity(0)) - 1) if limit is None else limit
+        self._limit = max(1, _cores() - 1) if limit is None else limit
         self._patience = patience
         self._count = 0
         self._children: dict[int, _Child] = {}  # by the end of the pipe that is read
@@ -116,21 +116,23 @@ class Forks:
         if child is not None:
             os.close(child.call)
             self._bury(child, "not needed")
-        del self._answers[number]
+        self._answers.pop(number, None)  # there is none to take if it could not be made and has been reported
 
     def _split(self, future: Callable[[], Any]) -> int:
         self._count += 1
-        inward, outward = os.pipe()
-        listen, call = os.pipe()
         sys.stdout.flush()
         sys.stderr.flush()
+        ends: list[int] = []
         try:
+            for _ in range(2):
+                ends += os.pipe()
+            inward, outward, listen, call = ends
             with warnings.catch_warnings():
                 # Python sees threads, those of the linear algebra, and does not know that they expect forks.
                 warnings.simplefilter("ignore", DeprecationWarning)
                 pid = os.fork()
         except OSError as error:
-            for end in (inward, outward, listen, call):
+            for end in ends:
                 os.close(end)
             self._answers[self._count] = Answer(failure=f"the world could not be forked: {error.strerror}")
             return self._count
@@ -167,8 +169,10 @@ class Forks:
         now = time.monotonic()
         oldest = min(child.started for child in self._children.values())
         pause = max(0.0, oldest + self._patience - now) if wait else 0.0
-        ready, _, _ = select.select(list(self._children), [], [], pause)
-        for inward in ready:
+        waiting = select.poll()  # unlike `select`, with any number of open files
+        for inward in self._children:
+            waiting.register(inward, select.POLLIN)
+        for inward, _ in waiting.poll(1000 * pause):
             data = os.read(inward, _READ)
             self._children[inward].data += data
             if not data:
@@ -184,6 +188,11 @@ class Forks:
             os.kill(child.pid, signal.SIGKILL)
         _, status = os.waitpid(child.pid, 0)
         self._answers[child.number] = Answer(failure=given_up) if given_up else _answer(child.data, status)
+
+
+def _cores() -> int:
+    """Those that this process may use; all, where the system does not say."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _answer(data: bytes, status: int) -> Answer:

@@ -2,6 +2,7 @@
 
 import os
 import re
+import resource
 import signal
 import time
 from dataclasses import replace
@@ -211,3 +212,42 @@ def test_a_fork_that_dies_asleep_is_a_failure_once_it_is_woken():
     time.sleep(0.05)
     forks.wake(number)
     assert forks.answers(wait=True) == {number: Answer(failure="the fork was ended by signal 9")}
+
+
+def test_a_fork_that_cannot_be_made_is_a_failure_and_can_be_dismissed_before_and_after_it_is_known():
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    forks = Forks(limit=1)
+    before = len(os.listdir("/proc/self/fd"))
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(map(int, os.listdir("/proc/self/fd"))) + 1, hard))
+    try:
+        taken = []
+        with pytest.raises(OSError, match="Too many open files"):
+            while True:
+                taken.append(os.dup(0))
+        os.close(taken.pop())
+        os.close(taken.pop())  # enough for the first pipe of two
+        known, unknown = (forks.split(lambda: 1, asleep=True) for _ in range(2))
+        forks.dismiss(unknown)
+        assert forks.answers() == {known: Answer(failure="the world could not be forked: Too many open files")}
+        forks.dismiss(known)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+        for fd in taken:
+            os.close(fd)
+    assert len(os.listdir("/proc/self/fd")) == before
+
+
+def test_a_program_with_thousands_of_open_files_can_fork():
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if hard < 1200:
+        pytest.skip(f"no more than {hard} files may be open here")
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, 1200), hard))
+    taken = [os.dup(0) for _ in range(1100)]
+    try:
+        forks = Forks(limit=1)
+        number = forks.split(lambda: 1)
+        assert forks.answers(wait=True) == {number: Answer(1)}
+    finally:
+        for fd in taken:
+            os.close(fd)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
