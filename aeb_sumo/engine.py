@@ -136,11 +136,16 @@ class Engine:
         self.fleet.leave(slot)
         self.fleet.depart(slot, system)
 
-    def suppress(self, slot: int) -> None:
+    def suppress(self, slot: int, span: tuple[float, float] | None = None) -> None:
         """Take back what the AEB in a slot has decided, and all it does until it has been quiet for a while.
 
-        The intervention that is under way then does not take place; the next one does.
+        The intervention that is under way then does not take place; those before and after it do.
+
+        Args:
+            slot: of the vehicle.
+            span: when the intervention began, and when it last acted [s]; None for now.
         """
-        self.fleet.withhold(slot, self.time)
-        self.motorists.unwarned(slot)
+        span = (self.time, self.time) if span is None else span
+        self.fleet.withhold(slot, self.time, span[1])
+        self.motorists.unwarned(slot, span)
         self.acting = [one for one in self.acting if one[0] != slot]

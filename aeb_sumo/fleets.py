@@ -78,17 +78,27 @@ class Fleets:
             fleet.step(time, disabled)
         self._add_up()
         for slot in list(self._withheld):
-            self.withhold(slot, time)
+            self._hold_back(slot, time)
 
-    def withhold(self, slot: int, time: float) -> None:
+    def withhold(self, slot: int, time: float, last: float) -> None:
         """Keep from the road what the system in a slot decides, until it has been quiet for `PAUSE`.
 
         The system goes on working, and knows nothing of it.
+
+        Args:
+            slot: of the vehicle.
+            time: now [s].
+            last: when it last acted [s]; longer ago than `PAUSE`, nothing is kept.
         """
+        self._withheld[slot] = last
+        self._hold_back(slot, time)
+
+    def _hold_back(self, slot: int, time: float) -> None:
+        if time - self._withheld[slot] > PAUSE:  # as the book of interventions has it: what comes now is another one
+            del self._withheld[slot]
+            return
         if self.decel[slot] > 0 or self.demand.phase[slot] > Phase.NONE:
             self._withheld[slot] = time
-        elif time - self._withheld.setdefault(slot, time) > PAUSE:
-            del self._withheld[slot]
         self.decel[slot], self.demand.decel[slot], self.demand.phase[slot] = 0.0, 0.0, Phase.NONE
 
     def active(self) -> list[tuple[int, Target | None]]:

@@ -8,6 +8,7 @@ says, until nothing closes in any more.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -35,6 +36,14 @@ class Notice:
     late: bool
     delay: float
     time_to_crash: float
+
+
+class _Alert(NamedTuple):
+    """A warning on its way to a driver: of whom, when it reaches him and from when on it could be heard [s]."""
+
+    target: str
+    due: float
+    given: float
 
 
 @dataclass
@@ -65,7 +74,7 @@ class Motorists:
         self._traffic, self._leads, self._profile, self._seed = traffic, leads, profile, seed
         self._lapses = Lapses((profile.hard_braking, profile.glances, profile.robots), seed)
         self._reacting: dict[int, _Reacting] = {}
-        self._alerts: dict[int, tuple[str, float]] = {}  # slot -> (target, when the warning reaches the driver)
+        self._alerts: dict[int, _Alert] = {}  # by slot
         self.erring: Bools = np.zeros(0, np.bool_)
         self.accel: Floats = np.zeros(0)
         self.away: Bools = np.zeros(0, np.bool_)
@@ -106,18 +115,27 @@ class Motorists:
             return
         for vehicle, target in warnings:
             slot = self._traffic.slot[vehicle]
-            known, due = self._alerts.get(slot, ("", np.inf))
-            if target != known:
-                due = min(due, time + warned.delay(self._seed, vehicle, target))
-                self._alerts[slot] = target, due
+            known = self._alerts.get(slot, _Alert("", np.inf, np.inf))
+            if target != known.target:
+                alert = _Alert(target, time + warned.delay(self._seed, vehicle, target), time)
+                self._alerts[slot] = alert if alert.due <= known.due else known._replace(target=target)
 
-    def alerted(self, slot: int, by: float) -> bool:
-        """Whether a warning reaches the driver in a slot by then [s]; one that has reached him is over."""
-        return self._alerts.get(slot, ("", np.inf))[1] <= by
+    def alerted(self, slot: int, span: tuple[float, float], *, by: float) -> bool:
+        """Whether a warning of an AEB that acted in a span of time reaches the driver by then [s].
 
-    def unwarned(self, slot: int) -> None:
-        """The warning that is on its way to the driver in a slot was never given."""
-        self._alerts.pop(slot, None)
+        One that has reached him is over.
+        """
+        return self._warned(slot, span) and self._alerts[slot].due <= by
+
+    def unwarned(self, slot: int, span: tuple[float, float] = (-np.inf, np.inf)) -> None:
+        """The warning on its way to the driver in a slot was never given, if it was given in a span of time [s]."""
+        if self._warned(slot, span):
+            del self._alerts[slot]
+
+    def _warned(self, slot: int, span: tuple[float, float]) -> bool:
+        """Whether a warning is on its way that was given in the steps that begin in that span of time."""
+        alert = self._alerts.get(slot)
+        return alert is not None and span[0] < alert.given < span[1] + 1.5 * self._traffic.dt
 
     def step(self, time: float, aeb: Floats, wrecked: Bools) -> None:
         """From the state just observed to what drivers do in the coming step.
@@ -166,8 +184,8 @@ class Motorists:
         warned = self._profile.warned
         if warned is None:
             return
-        for slot, (_, due) in list(self._alerts.items()):
-            if time >= due:  # also when the warning has ended meanwhile
+        for slot, alert in list(self._alerts.items()):
+            if time >= alert.due:  # also when the warning has ended meanwhile
                 self._until[slot] = time + warned.attention
                 del self._alerts[slot]
         self.attentive[:] = self._until > time

@@ -122,7 +122,10 @@ def run(
             stand = min(_BLOCKAGE, limit) if blockage is None else blockage
             carried.check_kinds(session.vehicle_types)
             one = _Run(session, scenario, carried, stand, interval, trace, choice)
-            return one.simulate(span, progress, stop)
+            try:
+                return one.simulate(span, progress, stop)
+            finally:
+                one.end_forks()
 
 
 class _Run:
@@ -179,6 +182,11 @@ class _Run:
                 outcome = "interrupted"
                 break
         return self._results(outcome, reason)
+
+    def end_forks(self) -> None:
+        """Give up the other worlds that are still out: there are some when the run was left by an exception."""
+        if self._verdicts is not None:
+            self._verdicts.end_forks()
 
     def _step(self) -> None:
         """One walk through the house; the books are written when all is decided, and nothing of it done."""

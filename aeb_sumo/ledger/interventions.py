@@ -66,6 +66,11 @@ class Intervention:
     open: bool = True
     judged: bool = True
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """When it began, and when it last acted [s]."""
+        return self.row["begin_s"], self.last
+
     def judge(self, verdict: Mapping[str, Any]) -> None:
         """Its verdict, as columns; none of them: there is none."""
         self.row |= verdict

@@ -125,17 +125,23 @@ class Verdicts:
         for number, watch in late.items():
             watch.with_ = watch.witness.outcome() if seen.failure else seen.value[number]
             if seen.failure:
-                watch.without = Answer(failure=seen.failure)
+                watch.fork, watch.without = None, Answer(failure=seen.failure)
         self._settle(answers)
         for watch in self._watches.values():
             watch.intervention.judge(watch.row or {})
         self._watches = {}
 
+    def end_forks(self) -> None:
+        """Give up all forks that are still out; for when there is no `finish`."""
+        self._forks.end("the run is over")
+
     def _begin(self, slot: int, intervention: Intervention) -> None:
         number, self._begun = self._begun, self._begun + 1
         placed, loser = self._reservoir.offer()
         if loser is not None:
-            self._watches.pop(loser).intervention.judge({})
+            watch = self._watches.pop(loser)
+            self._dismiss(watch)
+            watch.intervention.judge({})
         if not placed:
             intervention.judge({})
             return
@@ -149,7 +155,7 @@ class Verdicts:
             self._dismiss(watch)
             return
         brakes = engine.fleet.decel[slot] > 0 and watch.intervention.open
-        alerted = engine.motorists.alerted(slot, engine.next_time)
+        alerted = engine.motorists.alerted(slot, watch.intervention.span, by=engine.next_time)
         if watch.fork is None and (brakes or alerted or not self._lazy):
             watch.asleep = self._lazy and not brakes
             watch.fork = forks.split(lambda: self._otherwise(watch, slot), asleep=watch.asleep)
@@ -172,14 +178,14 @@ class Verdicts:
 
     def _otherwise(self, watch: _Watch, slot: int) -> Outcome:
         """The life of a fork: the intervention does not take place."""
-        self._engine.suppress(slot)
+        self._engine.suppress(slot, watch.intervention.span)
         self._engine.act()
         return self._outlook({0: watch})[0]
 
     def _later(self, watch: _Watch) -> Outcome:
         """The life of a fork made at the end of a run, with an intervention that has not acted until then."""
         if watch.witness.slot is not None:
-            self._engine.suppress(watch.witness.slot)
+            self._engine.suppress(watch.witness.slot, watch.intervention.span)
         return self._outlook({0: watch})[0]
 
     def _outlook(self, watches: dict[int, _Watch]) -> dict[int, Outcome]:

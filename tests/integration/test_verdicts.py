@@ -151,6 +151,77 @@ def test_an_interrupted_run_leaves_its_open_verdicts_unknown():
     assert (found["verdict"] == "unknown").equals(found["verdict_reason"] != "")
 
 
+def nobody_is_left():
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+    return True
+
+
+def test_who_loses_his_place_in_the_sample_leaves_no_fork_behind():
+    early = strategies.load("staged", {"warn_ttc": 6.0, "brake_ttc": 1.0})
+    verdicts = run(scenarios.load("highway"), early, duration=40, verdicts="sample:1").interventions["verdict"]
+    assert (verdicts != "").sum() == 1 < len(verdicts)
+    assert nobody_is_left()
+
+
+class Fails:
+    """Looks on until an AEB has been braking for a step, and fails."""
+
+    def attend(self, world):
+        self.world, self.braked = world, False
+
+    def step(self, time):
+        if self.braked:
+            raise ValueError(time)
+        self.braked = bool((self.world.fleet.decel > 0).any())
+
+
+def test_a_run_that_is_left_by_an_exception_leaves_no_fork_behind(on_track):
+    with pytest.raises(ValueError, match=r"^\d"):
+        judged(on_track(approach(40, 0, 50)), trace=Fails())
+    assert nobody_is_left()
+
+
+def test_a_window_that_nobody_has_seen_to_its_end_gives_unknown(monkeypatch, on_track):
+    """It was cut short by the end of the run, and the fork that was to see the rest has died."""
+    end, look = 3.5, Verdicts._outlook
+
+    def dies_late(self, watches):
+        if self._engine.time > end - 0.05:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return look(self, watches)
+
+    scenario = on_track(approach(40, 0, 50), duration=end)
+    (one,) = judged(scenario).to_dict("records")
+    assert one["verdict"] == "avoided"
+    assert one["acted_s"] < end - 0.05
+    monkeypatch.setattr(Verdicts, "_outlook", dies_late)
+    (one,) = judged(scenario).to_dict("records")
+    assert (one["verdict"], one["verdict_reason"]) == ("unknown", "the fork was ended by signal 9")
+
+
+class Withholds:
+    """What a system that wants to brake is left, by how long ago [s] it last acted."""
+
+    def __init__(self, *ago):
+        self.ago, self.left = ago, {}
+
+    def attend(self, world):
+        self.world = world
+
+    def step(self, time):
+        for ago in self.ago:
+            self.world.fleet.decel[0] = 5.0
+            self.world.fleet.withhold(0, time, time - ago)
+            self.left[ago] = float(self.world.fleet.decel[0])
+
+
+def test_an_intervention_after_a_pause_is_another_one_and_not_withheld(on_track):
+    trace = Withholds(0.0, 0.9, 1.1, 3.0)
+    run(on_track(vehicle("ego", 100, 20)), "zhao2025", duration=0.3, trace=trace)
+    assert trace.left == {0.0: 0.0, 0.9: 0.0, 1.1: 5.0, 3.0: 5.0}
+
+
 @pytest.mark.slow
 def test_an_absurd_threshold_is_mostly_unneeded_and_a_very_short_one_never():
     absurd, short = (
