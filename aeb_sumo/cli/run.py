@@ -18,7 +18,7 @@ from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
 from aeb_sumo.ceilings import ceilings
 from aeb_sumo.cli.options import new_folder, scenario_options, system_options
-from aeb_sumo.cli.show import print_frame, print_pairs, print_summary
+from aeb_sumo.cli.show import print_frame, print_summary
 from aeb_sumo.drivers import profile
 from aeb_sumo.equipment import Equipment, equipment
 from aeb_sumo.errors import InputError
@@ -108,10 +108,7 @@ def run(
             if one.runs["outcome"].iloc[0] != "completed":
                 break
     if not quiet:
-        data = analysis.Dataset.of(Results.joined(done))
-        print_summary(analysis.summary(data), chosen.name)
-        if compare and len(done) == 2:
-            print_pairs(analysis.pair_counts(data), "what became of the crashes of the baseline")
+        print_summary(analysis.summary(analysis.Dataset.of(Results.joined(done))), chosen.name)
         if with_ceilings and len(done[0].tables["ceilings"]):
             print_frame(analysis.ceiling_shares(analysis.Dataset.of(done[0])), "crashes of the baseline avoided by")
         if folder is not None:
@@ -122,7 +119,7 @@ def run(
     outcome, reason = done[-1].runs[["outcome", "reason"]].iloc[0]
     if outcome == "failed":
         raise InputError(f"{reason} (the tables hold what was simulated until then)")
-    return 130 if outcome == "interrupted" else 0
+    return 130 if stop() else 0  # also when it was the ceilings that were interrupted
 
 
 def _check(carried: Equipment, *, compare: bool, with_ceilings: bool) -> None:
@@ -190,8 +187,7 @@ def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[St
         TextColumn("{task.fields[note]}"),
         TimeRemainingColumn(),
     )
-    # No thread that refreshes: a world is forked with one thread only.
-    with Progress(*columns, console=console, auto_refresh=False) as bar:
+    with Progress(*columns, console=console) as bar:
         task = bar.add_task(name, total=None, note="starting SUMO")
         drawn = 0.0
 
@@ -204,6 +200,6 @@ def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[St
             drawn = now
             span = f"{step.time:.0f} s" if step.duration is None else f"{step.time:.0f}/{step.duration:.0f} s"
             note = f"{span}  {step.vehicles} vehicles  {step.crashes} crashes  {step.interventions} interventions"
-            bar.update(task, completed=step.time, total=step.duration, note=note, refresh=True)
+            bar.update(task, completed=step.time, total=step.duration, note=note)
 
         yield show
