@@ -24,6 +24,10 @@ __all__ = ["WINDOW", "Verdicts"]
 WINDOW = 10.0
 """How long after its beginning an intervention is compared with its absence [s], our assumption."""
 
+SLEEPERS = 64
+"""Forks that sleep at a time, our assumption: each is a process that holds what has changed in the world since. A
+further one begins without delay, which gives the same."""
+
 
 class _Watch:
     """An intervention on its way to a verdict.
@@ -157,7 +161,7 @@ class Verdicts:
         brakes = engine.fleet.decel[slot] > 0 and watch.intervention.open
         alerted = engine.motorists.alerted(slot, watch.intervention.span, by=engine.next_time)
         if watch.fork is None and (brakes or alerted or not self._lazy):
-            watch.asleep = self._lazy and not brakes
+            watch.asleep = self._lazy and not brakes and forks.asleep < SLEEPERS
             watch.fork = forks.split(lambda: self._otherwise(watch, slot), asleep=watch.asleep)
         if not watch.acted_by and (brakes or (watch.fork is not None and slot in engine.heeded)):
             watch.acted_by, watch.acted = "brake" if brakes else "warning", engine.time

@@ -84,6 +84,11 @@ class Forks:
         """Forks that have not answered."""
         return len(self._children)
 
+    @property
+    def asleep(self) -> int:
+        """Forks that have neither been woken nor dismissed; they are not bounded in number."""
+        return len(self._asleep)
+
     def split(self, future: Callable[[], Any], *, asleep: bool = False) -> int:
         """Let a copy of this process compute `future()`, whose result must be picklable; the number of the fork.
 

@@ -100,6 +100,13 @@ def test_forking_when_it_acts_gives_what_forking_at_its_beginning_gives(monkeypa
     pd.testing.assert_frame_equal(lazily.drop(columns=lately), at_once.drop(columns=lately))
 
 
+def test_forks_that_may_not_sleep_give_what_sleeping_ones_give(monkeypatch):
+    sleeping = judged(scenarios.load("highway"), duration=45)
+    monkeypatch.setattr("aeb_sumo.verdicts.book.SLEEPERS", 0)
+    pd.testing.assert_frame_equal(judged(scenarios.load("highway"), duration=45), sleeping)
+    assert "warning" in set(sleeping["acted_by"])
+
+
 def test_a_window_that_the_run_does_not_live_to_see_is_seen_by_a_fork():
     """Verdicts do not depend on when the run ends."""
     short, long = (judged(scenarios.load("highway"), threshold(6.0), duration=d) for d in (36, 46))
