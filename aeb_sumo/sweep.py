@@ -1,8 +1,10 @@
 """One parameter of an AEB system at several values, in the same traffic: several runs at a time, judged."""
 
+import signal
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from multiprocessing.synchronize import Event
 from os import cpu_count
 from typing import Any
 
@@ -56,7 +58,11 @@ def sweep(
     systems = [strategies.load(strategy, {**(parameters or {}), name: value}) for value in values]
     carried = [equipment(system, sensing=sensing, penetration=penetration) for system in systems]
     jobs = [(each, seed) for each in (Equipment(), *carried) for seed in seeds]
-    with ProcessPoolExecutor(workers or cpu_count(), mp_context=get_context("spawn"), max_tasks_per_child=1) as pool:
+    context = get_context("spawn")
+    stop = context.Event()
+    with ProcessPoolExecutor(
+        workers or cpu_count(), mp_context=context, initializer=_begin, initargs=(stop,), max_tasks_per_child=1
+    ) as pool:
         futures = [pool.submit(_run, scenario, each, seed, duration, verdicts) for each, seed in jobs]
         try:
             results = []
@@ -65,10 +71,20 @@ def sweep(
                 if done is not None:
                     done()
         except BaseException:
+            stop.set()  # also for a run that waits in the queue and cannot be cancelled any more
             pool.shutdown(cancel_futures=True)
             raise
     return results
 
 
+_given_up: list[Event] = []  # in a worker: set when all runs are to end
+
+
+def _begin(stop: Event) -> None:
+    """The life of a worker begins."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the parent decides
+    _given_up.append(stop)
+
+
 def _run(scenario: Scenario, carried: Equipment, seed: int, duration: float | None, verdicts: str) -> Results:
-    return run(scenario, equip=carried, seed=seed, duration=duration, verdicts=verdicts)
+    return run(scenario, equip=carried, seed=seed, duration=duration, verdicts=verdicts, stop=_given_up[0].is_set)
