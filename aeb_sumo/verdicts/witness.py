@@ -52,7 +52,8 @@ class Witness:
         own = (pairs.slots[:, 0] == slot) | ((pairs.slots[:, 1] == slot) & (pairs.key < 0))
         self._near |= bool(self._conflicts.hard[own].any())
         self._gap = min(self._gap, float(pairs.gap[own].min(initial=np.inf)))
-        behind = np.flatnonzero((leads.lead == slot) & t.here)
+        # What stops a wreck is not its brake.
+        behind = np.flatnonzero((leads.lead == slot) & t.here & ~self._engine.wrecks.wrecked)
         close = behind[leads.gap[behind] <= _CLOSE * t.speed[behind]]
         self._follower = max(self._follower, float((-t.accel[close]).max(initial=0.0)))
 

@@ -87,6 +87,7 @@ def test_a_brake_that_gets_its_car_hit_from_behind_has_induced_a_crash(on_track)
     assert one["verdict"] == "induced"
     assert (one["with_crash"], one["without_crash"]) == (True, False)
     assert one["with_impact_speed_mps"] > 3
+    assert one["with_follower_decel_mps2"] < 10, "the crash itself is no braking"
 
 
 def test_forking_when_it_acts_gives_what_forking_at_its_beginning_gives(monkeypatch):
