@@ -5,7 +5,7 @@ from pandas.api.types import is_integer_dtype
 from rich.console import Console
 from rich.table import Table
 
-__all__ = ["console", "print_frame", "print_price", "print_summary"]
+__all__ = ["console", "print_effect", "print_frame", "print_pairs", "print_summary"]
 
 _CHANGE = ("difference", "low", "high", "percent")
 _WIDTH = 110  # of the output where there is no terminal to ask
@@ -47,8 +47,20 @@ def print_frame(frame: pd.DataFrame, title: str) -> None:
     console().print(table)
 
 
-def print_price(frame: pd.DataFrame, title: str) -> None:
-    """Print `analysis.traffic_price`, one table per group, and below it what its notes say."""
+def print_pairs(frame: pd.DataFrame, title: str) -> None:
+    """Print `analysis.pair_counts`: what became of the crashes of the baseline."""
+    table = Table(title=title, title_justify="left")
+    names = ("count", "primary", "intervened", "diverged", "percent", "low", "high")
+    for name in ("", "", "crashes", "of these primary", "an AEB acted", "no AEB acted", "%", "95 % from", "to"):
+        table.add_column(name, justify="right" if name else "left")
+    for key, (_, row) in zip(frame.index.to_list(), frame.iterrows(), strict=True):
+        cells = [_cell(row[name], whole=is_integer_dtype(frame[name]), sign=False) for name in names]
+        table.add_row(*(str(k) for k in key), *cells)
+    console().print(table)
+
+
+def print_effect(frame: pd.DataFrame, title: str) -> None:
+    """Print `analysis.effect` or `traffic_price`, one table per group, and below it what its notes say."""
     for group, rows in frame.groupby(level="group", sort=False):
         table = Table(title=f"{title}: {group}", title_justify="left")
         for name in ("", "baseline", "with AEB", "difference", "95 % from", "to", "%"):

@@ -49,7 +49,7 @@ def section(groups: Mapping[str, Judged]) -> Section | None:
         "the distance that it stands for.",
     )  # fmt: skip
     text = (
-        "When an intervention first acted on the world, by the brake or by a warning that reached the driver, the "
+        "When an intervention first acted on the world, by the brake or by a warning that the driver heeded, the "
         "simulated world was forked. In the fork this one intervention was suppressed, all else being equal, and the "
         "verdict compares the two.",
     )
