@@ -5,7 +5,7 @@ from pandas.api.types import is_integer_dtype
 from rich.console import Console
 from rich.table import Table
 
-__all__ = ["console", "print_frame", "print_price", "print_summary"]
+__all__ = ["console", "print_frame", "print_groups", "print_price", "print_summary"]
 
 _CHANGE = ("difference", "low", "high", "percent")
 _WIDTH = 110  # of the output where there is no terminal to ask
@@ -45,6 +45,16 @@ def print_frame(frame: pd.DataFrame, title: str) -> None:
         whole = name in {"count", "arrived", "pending"} or is_integer_dtype(frame[name])
         table.add_row(str(name), *(_cell(v, whole=whole, sign=False) for v in row))
     console().print(table)
+
+
+def print_groups(frame: pd.DataFrame, title: str) -> None:
+    """Print a table of the analysis with a row per group and something else, one table per group; no words in it."""
+    for group, rows in frame.groupby(level="group", sort=False):
+        words = [name for name in ("method", "note") if name in rows.columns]
+        print_frame(rows.droplevel("group").drop(columns=words), f"{title}: {group}")
+        for note in dict.fromkeys(rows["note"]) if "note" in words else ():
+            if note:
+                console().print(note)
 
 
 def print_price(frame: pd.DataFrame, title: str) -> None:
