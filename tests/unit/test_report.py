@@ -219,6 +219,21 @@ def test_the_repeated_commands_name_every_run(page):
     assert "aeb-sumo 0.1.0, SUMO 1.28.0" in text
 
 
+def test_runs_with_ceilings_are_repeated_with_them_and_others_are_not():
+    rows = tables({("none", 1): 2, ("zhao2025", 1): 1}, ACTIONS)
+    baseline = rows["runs"][0]["run_id"]
+    rows["ceilings"] = [{"run_id": baseline, "crash_id": 0, "ceiling": "perfect", "outcome": "avoided"}]
+    shown = Page(render(analysis.Dataset.of(Results.of(rows)), networks=NET))
+    lines = [line for text in shown.text for line in text.splitlines() if line.startswith("aeb-sumo run")]
+    assert [("--strategy none" in line, "--ceilings" in line) for line in lines] == [(True, True), (False, False)]
+
+
+def test_the_page_says_when_the_world_is_forked(page):
+    text = " ".join(" ".join(page.text).split())
+    assert "because the brake bit or the driver heeded the warning" in text
+    assert "reached the driver" not in text
+
+
 @pytest.mark.parametrize(
     ("crashes", "interventions", "said"),
     [
