@@ -14,7 +14,7 @@ import analysis
 import sumo_nets
 from aeb_sumo.results import Results
 from analysis.report import render
-from analysis.report.drawing import SERIES
+from analysis.report.drawing import SERIES, canvas, legend
 from analysis.report.drawing import VERDICTS as VERDICT_COLOURS
 from analysis.report.intervals import median, per_1000_km, share
 from analysis.report.network import lanes
@@ -226,6 +226,15 @@ def test_runs_with_ceilings_are_repeated_with_them_and_others_are_not():
     shown = Page(render(analysis.Dataset.of(Results.of(rows)), networks=NET))
     lines = [line for text in shown.text for line in text.splitlines() if line.startswith("aeb-sumo run")]
     assert [("--strategy none" in line, "--ceilings" in line) for line in lines] == [(True, True), (False, False)]
+
+
+def test_two_names_that_do_not_fit_beside_each_other_stand_below_each_other():
+    for names, columns in ((["none", "zhao2025"], 2), (["zhao2025, scenario highway (n = 293)", "x" * 30], 1)):
+        with canvas(2.0) as (figure, axes):
+            for name in names:
+                axes.plot([0, 1], label=name)
+            legend(figure, axes)
+            assert figure.legends[0]._ncols == columns
 
 
 def test_the_page_says_when_the_world_is_forked(page):
