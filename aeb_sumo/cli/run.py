@@ -18,7 +18,7 @@ from aeb_sumo import results as store
 from aeb_sumo import scenarios, strategies
 from aeb_sumo.ceilings import ceilings
 from aeb_sumo.cli.options import new_folder, scenario_options, system_options
-from aeb_sumo.cli.show import print_frame, print_summary
+from aeb_sumo.cli.show import print_frame, print_pairs, print_summary
 from aeb_sumo.drivers import profile
 from aeb_sumo.equipment import Equipment, equipment
 from aeb_sumo.errors import InputError
@@ -108,7 +108,10 @@ def run(
             if one.runs["outcome"].iloc[0] != "completed":
                 break
     if not quiet:
-        print_summary(analysis.summary(analysis.Dataset.of(Results.joined(done))), chosen.name)
+        data = analysis.Dataset.of(Results.joined(done))
+        print_summary(analysis.summary(data), chosen.name)
+        if compare and len(done) == 2:
+            print_pairs(analysis.pair_counts(data), "what became of the crashes of the baseline")
         if with_ceilings and len(done[0].tables["ceilings"]):
             print_frame(analysis.ceiling_shares(analysis.Dataset.of(done[0])), "crashes of the baseline avoided by")
         if folder is not None:
@@ -187,7 +190,8 @@ def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[St
         TextColumn("{task.fields[note]}"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console) as bar:
+    # No thread that refreshes: a world is forked with one thread only.
+    with Progress(*columns, console=console, auto_refresh=False) as bar:
         task = bar.add_task(name, total=None, note="starting SUMO")
         drawn = 0.0
 
@@ -200,6 +204,6 @@ def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[St
             drawn = now
             span = f"{step.time:.0f} s" if step.duration is None else f"{step.time:.0f}/{step.duration:.0f} s"
             note = f"{span}  {step.vehicles} vehicles  {step.crashes} crashes  {step.interventions} interventions"
-            bar.update(task, completed=step.time, total=step.duration, note=note)
+            bar.update(task, completed=step.time, total=step.duration, note=note, refresh=True)
 
         yield show

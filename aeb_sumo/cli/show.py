@@ -5,7 +5,7 @@ from pandas.api.types import is_integer_dtype
 from rich.console import Console
 from rich.table import Table
 
-__all__ = ["console", "print_frame", "print_groups", "print_price", "print_summary"]
+__all__ = ["console", "print_effect", "print_frame", "print_groups", "print_pairs", "print_summary"]
 
 _CHANGE = ("difference", "low", "high", "percent")
 _WIDTH = 110  # of the output where there is no terminal to ask
@@ -48,17 +48,26 @@ def print_frame(frame: pd.DataFrame, title: str) -> None:
 
 
 def print_groups(frame: pd.DataFrame, title: str) -> None:
-    """Print a table of the analysis with a row per group and something else, one table per group; no words in it."""
+    """Print a table of the analysis with a row per group and something else, one table per group."""
     for group, rows in frame.groupby(level="group", sort=False):
-        words = [name for name in ("method", "note") if name in rows.columns]
-        print_frame(rows.droplevel("group").drop(columns=words), f"{title}: {group}")
-        for note in dict.fromkeys(rows["note"]) if "note" in words else ():
-            if note:
-                console().print(note)
+        print_frame(rows.droplevel("group"), f"{title}: {group}")
 
 
-def print_price(frame: pd.DataFrame, title: str) -> None:
-    """Print `analysis.traffic_price`, one table per group, and below it what its notes say."""
+def print_pairs(frame: pd.DataFrame, title: str) -> None:
+    """Print `analysis.pair_counts`, one table per group: what became of the crashes of the baseline."""
+    names = ("count", "primary", "intervened", "diverged", "percent", "low", "high")
+    for group, rows in frame.groupby(level="group", sort=False):
+        table = Table(title=f"{title}: {group}", title_justify="left")
+        for name in ("", "crashes", "of these primary", "an AEB acted on it", "none did", "%", "95 % from", "to"):
+            table.add_column(name, justify="right" if name else "left")
+        for outcome, row in rows.droplevel("group").iterrows():
+            cells = [_cell(row[name], whole=is_integer_dtype(frame[name]), sign=False) for name in names]
+            table.add_row(str(outcome), *cells)
+        console().print(table)
+
+
+def print_effect(frame: pd.DataFrame, title: str) -> None:
+    """Print `analysis.effect` or `traffic_price`, one table per group, and below it what its notes say."""
     for group, rows in frame.groupby(level="group", sort=False):
         table = Table(title=f"{title}: {group}", title_justify="left")
         for name in ("", "baseline", "with AEB", "difference", "95 % from", "to", "%"):

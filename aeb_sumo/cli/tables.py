@@ -6,7 +6,7 @@ import click
 from rich.table import Table
 
 import analysis
-from aeb_sumo.cli.show import console, print_frame, print_groups, print_price, print_summary
+from aeb_sumo.cli.show import console, print_effect, print_frame, print_groups, print_pairs, print_summary
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES
 
@@ -37,12 +37,11 @@ def compare(folder: Path, other: Path | None) -> int:
             print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
         if {"none"} < set(each.runs["strategy"]):
             try:
-                pairs, price = analysis.pair_counts(each), analysis.traffic_price(each)
+                print_pairs(analysis.pair_counts(each), f"{name}: what became of the crashes of the baseline, by seed")
+                print_effect(analysis.effect(each), f"{name}: what the AEB changes, by seed")
+                print_effect(analysis.traffic_price(each), f"{name}: price for the traffic, by seed")
             except InputError as error:
-                click.echo(f"aeb-sumo: note: no pairs and no price for the traffic in {name}: {error}", err=True)
-            else:
-                print_groups(pairs, f"{name}: what became of the crashes of the baseline")
-                print_price(price, f"{name}: price for the traffic, by seed")
+                click.echo(f"aeb-sumo: note: {name} has no pairs of runs: {error}", err=True)
     return 0
 
 

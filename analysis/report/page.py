@@ -8,7 +8,18 @@ import pandas as pd
 from jinja2 import DictLoader, Environment, StrictUndefined
 
 from analysis.load import Dataset
-from analysis.report import answer, crash_pairs, crashes, definitions, interventions, places, repeat, traffic, verdicts
+from analysis.report import (
+    answer,
+    ceilings,
+    crash_pairs,
+    crashes,
+    definitions,
+    interventions,
+    places,
+    repeat,
+    traffic,
+    verdicts,
+)
 from analysis.report.drawing import SERIES, VERDICTS
 from analysis.report.judged import judged
 from analysis.report.matching import Match, is_baseline, matches
@@ -38,6 +49,7 @@ def render(data: Dataset, *, networks: Mapping[str, Path] | None = None, title: 
     sections = [
         answer.section(matched, extra, verdicts.figures(told), data),
         crash_pairs.section(matched),
+        ceilings.section(data, matched),
         verdicts.section(told),
         traffic.section(data, groups, matched),
         crashes.section(data, groups),
