@@ -9,9 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from aeb_sumo.soa import Floats
-from aeb_sumo.units import to_kmh
+from aeb_sumo.units import KMH, to_kmh
 
-__all__ = ["ROAD_USERS", "death_risk", "serious_risk"]
+__all__ = ["ROAD_USERS", "SAME_IMPACT", "death_risk", "serious_risk"]
+
+SAME_IMPACT = KMH
+"""Impact speeds that differ by no more are the same [m/s], our assumption."""
 
 
 @dataclass(frozen=True)

@@ -49,8 +49,8 @@ class Dataset:
     def groups(self) -> pd.Series:
         """Group of every run, by run id: runs of one group differ in seed and time span alone.
 
-        A group is named by its strategy, or the text of its mix, and by whatever else differs between the runs of the
-        data set; sensing and parameters, between those of that strategy.
+        A group is named by its strategy, or the text of its mix, by its scenario, if there are several, and by whatever
+        else differs between the runs of that scenario; sensing and parameters, between those of that strategy.
         """
         runs = self.runs.set_index("run_id")
         names = runs["strategy"].astype(str)
@@ -62,7 +62,8 @@ class Dataset:
                 rows = values.groupby(runs["strategy"]).transform("nunique") > 1
             else:
                 rows = single if column == "penetration" else pd.Series(True, index=runs.index)
-                rows &= values[rows].nunique() > 1
+                within = [True] * len(runs) if column == "scenario" else runs["scenario"]
+                rows &= values.where(rows).groupby(within).transform("nunique") > 1
             names = names.where(~rows, names + f", {column} " + values)
         return names.rename("group")
 

@@ -4,20 +4,21 @@ import numpy as np
 import pandas as pd
 
 from aeb_sumo.errors import InputError
+from aeb_sumo.severity import SAME_IMPACT
 from analysis.load import Dataset
 
-__all__ = ["OUTCOMES", "pairs", "partners"]
+__all__ = ["OUTCOMES", "SAME", "pairs", "partners"]
 
 OUTCOMES = ("avoided", "mitigated", "unchanged", "worsened", "new")
 """What a pair of vehicles can come to; all but `new` are crashes of the baseline, all but `avoided` of the AEB run."""
 
-_SAME = (
+SAME = (
     *("scenario", "seed", "demand", "ebike_share", "weather", "mu", "drivers", "step_length_s", "blockage_s"),
     *("begin_s", "end_s"),
 )
+"""What a run and its baseline agree in; a baseline has no AEB, so what is said of the AEB is no difference."""
 _WHO = ("kind", "typology", "striker", "struck", "striker_vclass", "struck_vclass")
 _OF_EACH = ("crash_id", "time_s", "impact_speed_mps", "serious_risk", "death_risk", "secondary")
-_SAME_SPEED = 1 / 3.6  # m/s, our assumption: what tells two impacts apart
 _BEFORE, _AFTER = 15.0, 5.0  # s around the baseline's crash, our assumption: an intervention belongs to it
 
 
@@ -41,7 +42,7 @@ def partners(data: Dataset, baseline: str = "none") -> pd.DataFrame:
     if bases.empty or others.empty:
         what = "no runs of" if bases.empty else "nothing but runs of"
         raise InputError(f"{what} {baseline!r}, so no pairs; there are {', '.join(sorted(groups.unique()))}")
-    keys = list(_SAME)
+    keys = list(SAME)
     twins = bases[bases.duplicated(keys, keep=False)]
     if not twins.empty:
         raise InputError(f"more than one baseline run of the same settings: {', '.join(twins['run_id'])}")
@@ -56,7 +57,7 @@ def partners(data: Dataset, baseline: str = "none") -> pd.DataFrame:
 
 def _difference(run: pd.Series, bases: pd.DataFrame) -> str:
     """A run without a partner, and what no baseline run has of it."""
-    missing = [key for key in _SAME if str(run[key]) not in set(bases[key].map(str))]
+    missing = [key for key in SAME if str(run[key]) not in set(bases[key].map(str))]
     return f"{run['run_id']}: " + (
         ", ".join(f"{key} {run[key]}" for key in missing) or "each is there, but not together"
     )
@@ -79,12 +80,13 @@ def pairs(data: Dataset, baseline: str = "none") -> pd.DataFrame:
         null where there was no crash; `outcome`; and `how`.
 
         `outcome`: `avoided` (the two do not crash under AEB); `mitigated`, `unchanged` or `worsened` (they do; by the
-        risk of serious injury where a curve applies in both worlds, else by impact speed; below 1 km/h of impact speed
-        nothing has changed, our assumption); `new` (they crash under AEB alone).
+        risk of serious injury where a curve applies in both worlds, else by impact speed; within 1 km/h of impact speed
+        nothing has changed, as in verdicts); `new` (they crash under AEB alone).
 
         `how`, of avoided ones: `intervened` (the AEB of one of the two acted on the other, beginning between 15 s
-        before and 5 s after the baseline's crash, our assumption), else `diverged` (the encounter did not come about,
-        as the traffic had become another one); else empty.
+        before and 5 s after the baseline's crash, our assumption), else `diverged` (no AEB of one acted on the other
+        then: the encounter did not come about, as the traffic had become another one, or an AEB acted on somebody
+        else or earlier); else empty.
 
     Raises:
         InputError: as `partners`.
@@ -126,7 +128,7 @@ def _change(rows: pd.DataFrame) -> pd.Series:
     """Below 0 for less harm under AEB, above for more, 0 for the same; NaN where one of the worlds has no crash."""
     slower = rows["impact_speed_mps"] - rows["baseline_impact_speed_mps"]
     safer = rows["serious_risk"] - rows["baseline_serious_risk"]
-    return safer.where(safer.notna(), slower).where(slower.abs() >= _SAME_SPEED, slower * 0.0)
+    return safer.where(safer.notna(), slower).where(slower.abs() > SAME_IMPACT, slower * 0.0)
 
 
 def _acted(rows: pd.DataFrame, interventions: pd.DataFrame) -> pd.Series:

@@ -98,7 +98,7 @@ def precision_recall(data: Dataset, by: str | None = None, confidence: float = 0
 
     Returns:
         Index group, or (group, by); columns `judged`, `useful` (avoided, mitigated), `precautionary`, `unneeded`,
-        `harmful` (induced, worsened), `unknown`; `precision`, `precision_low`, `precision_high`;
+        `unchanged`, `harmful` (induced, worsened), `unknown`; `precision`, `precision_low`, `precision_high`;
         `precision_precautionary`, that counts precautionary ones as needed; `struck`, crashes with an equipped striker;
         `recall`, `recall_low`, `recall_high`.
     """
@@ -137,6 +137,7 @@ def _quality(verdicts: pd.Series, struck: int | None, confidence: float) -> dict
         "useful": useful,
         "precautionary": count(["precautionary"]),
         "unneeded": count(["unneeded"]),
+        "unchanged": count(["unchanged"]),
         "harmful": count(_HARMFUL),
         "unknown": count(["unknown"]),
         "precision": precision.share,

@@ -24,12 +24,12 @@ def replay(folder: Path, event: str, run_id: str | None, before: float, after: f
     event is over. In the other world the intervention does not take place; where there was none, for a crash of the
     baseline, both vehicles have an AEB from 5 s before the crash on.
     """
-    target = folder / f"replay-{event.strip().replace(':', '-')}.html" if out is None else out
-    if target.is_dir():
-        raise InputError(f"--out {target} is a folder, not a file")
-    if out is not None and not target.parent.is_dir():
-        raise InputError(f"no folder {target.parent} to write {target.name} into")
+    if out is not None and out.is_dir():
+        raise InputError(f"--out {out} is a folder, not a file")
+    if out is not None and not out.parent.is_dir():
+        raise InputError(f"no folder {out.parent} to write {out.name} into")
     found = find(folder, event, run_id)
+    target = folder / f"replay-{found.kind}-{found.number}.html" if out is None else out
     click.echo(f"simulating {found.run['run_id']} again, until {found.end + after:.0f} s", err=True)
     html = page(film(found, before=before, after=after))
     try:

@@ -5,7 +5,7 @@ from pandas.api.types import is_integer_dtype
 from rich.console import Console
 from rich.table import Table
 
-__all__ = ["console", "print_effect", "print_frame", "print_pairs", "print_summary"]
+__all__ = ["console", "print_effect", "print_frame", "print_groups", "print_pairs", "print_summary"]
 
 _CHANGE = ("difference", "low", "high", "percent")
 _WIDTH = 110  # of the output where there is no terminal to ask
@@ -47,16 +47,23 @@ def print_frame(frame: pd.DataFrame, title: str) -> None:
     console().print(table)
 
 
+def print_groups(frame: pd.DataFrame, title: str) -> None:
+    """Print a table of the analysis with a row per group and something else, one table per group."""
+    for group, rows in frame.groupby(level="group", sort=False):
+        print_frame(rows.droplevel("group"), f"{title}: {group}")
+
+
 def print_pairs(frame: pd.DataFrame, title: str) -> None:
-    """Print `analysis.pair_counts`: what became of the crashes of the baseline."""
-    table = Table(title=title, title_justify="left")
+    """Print `analysis.pair_counts`, one table per group: what became of the crashes of the baseline."""
     names = ("count", "primary", "intervened", "diverged", "percent", "low", "high")
-    for name in ("", "", "crashes", "of these primary", "an AEB acted", "no AEB acted", "%", "95 % from", "to"):
-        table.add_column(name, justify="right" if name else "left")
-    for key, (_, row) in zip(frame.index.to_list(), frame.iterrows(), strict=True):
-        cells = [_cell(row[name], whole=is_integer_dtype(frame[name]), sign=False) for name in names]
-        table.add_row(*(str(k) for k in key), *cells)
-    console().print(table)
+    for group, rows in frame.groupby(level="group", sort=False):
+        table = Table(title=f"{title}: {group}", title_justify="left")
+        for name in ("", "crashes", "of these primary", "an AEB acted on it", "none did", "%", "95 % from", "to"):
+            table.add_column(name, justify="right" if name else "left")
+        for outcome, row in rows.droplevel("group").iterrows():
+            cells = [_cell(row[name], whole=is_integer_dtype(frame[name]), sign=False) for name in names]
+            table.add_row(str(outcome), *cells)
+        console().print(table)
 
 
 def print_effect(frame: pd.DataFrame, title: str) -> None:

@@ -6,7 +6,7 @@ import click
 from rich.table import Table
 
 import analysis
-from aeb_sumo.cli.show import console, print_effect, print_frame, print_pairs, print_summary
+from aeb_sumo.cli.show import console, print_effect, print_frame, print_groups, print_pairs, print_summary
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES
 
@@ -31,10 +31,11 @@ def compare(folder: Path, other: Path | None) -> int:
         quality = analysis.precision_recall(each)
         if len(quality):
             print_frame(quality, f"{name}: how many interventions were needed, how many crashes avoided")
-            print_frame(analysis.verdict_rates(each), f"{name}: verdicts per 1,000 km")
-            print_frame(analysis.passed_on(each), f"{name}: hard braking passed on to those behind")
+            print_groups(analysis.verdict_rates(each), f"{name}: verdicts per 1,000 km")
+            print_groups(analysis.passed_on(each), f"{name}: hard braking passed on to those behind")
         if {"none"} < set(each.by_group()):
             print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
+        if {"none"} < set(each.runs["strategy"]):
             try:
                 print_pairs(analysis.pair_counts(each), f"{name}: what became of the crashes of the baseline, by seed")
                 print_effect(analysis.effect(each), f"{name}: what the AEB changes, by seed")

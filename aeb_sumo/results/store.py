@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from aeb_sumo.errors import InputError
-from aeb_sumo.results.schema import TABLES
+from aeb_sumo.results.schema import SCHEMA_VERSION, TABLES
 
 __all__ = ["Results", "holds_results", "read", "write"]
 
@@ -96,8 +96,13 @@ def read(folder: str | Path) -> Results:
                 part = pq.read_table(path)
             except (OSError, pa.ArrowInvalid) as error:
                 raise InputError(f"cannot read {path}: {error}") from None
-            if not part.schema.equals(schema):
-                raise InputError(f"{path} has another schema than table {name!r} of this version")
+            version = (part.schema.metadata or {}).get(b"schema_version", b"none").decode(errors="replace")
+            if version != str(SCHEMA_VERSION) or not part.schema.equals(schema):
+                raise InputError(
+                    f"{path} has another schema than table {name!r} of this program: version {version} "
+                    f"instead of {SCHEMA_VERSION}, or other columns; make the results again, or read them with the "
+                    "aeb-sumo that made them"
+                )
             parts.append(part)
         tables[name] = pa.concat_tables([schema.empty_table(), *parts])
     if not tables["runs"].num_rows:

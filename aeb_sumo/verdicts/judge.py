@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from math import inf
 
+from aeb_sumo.severity import SAME_IMPACT
+
 __all__ = ["Hit", "Outcome", "verdict"]
 
-_SAME = 1 / 3.6  # m/s, impact speeds nearer than this are the same, our assumption
 _CLOSE = 1.0  # s, PET below which a crossing is a close call though nobody braked, our assumption
 
 
@@ -74,7 +75,7 @@ def verdict(with_: Outcome, without: Outcome) -> str:
 def _compared(factual: list[Hit], otherwise: list[Hit]) -> str:
     hardest, before = (max(h.impact_speed for h in hits) for hits in (factual, otherwise))
     same = {h.pair for h in factual} == {h.pair for h in otherwise}
-    alike = abs(hardest - before) <= _SAME
+    alike = abs(hardest - before) <= SAME_IMPACT
     risk, risk_before = _risk(factual), _risk(otherwise)
     if risk is not None and risk_before is not None and not (same and alike):
         hardest, before, alike = risk, risk_before, risk == risk_before
@@ -86,7 +87,8 @@ def _concerned(hits: tuple[Hit, ...], others: tuple[Hit, ...]) -> list[Hit]:
     return [
         hit
         for hit in hits
-        if hit.own or not any(o.pair == hit.pair and abs(o.impact_speed - hit.impact_speed) <= _SAME for o in others)
+        if hit.own
+        or not any(o.pair == hit.pair and abs(o.impact_speed - hit.impact_speed) <= SAME_IMPACT for o in others)
     ]
 
 

@@ -141,8 +141,8 @@ def _by_seed(match: Match, k: int) -> Figure:
     name, y = f"by-seed-{k}", np.arange(len(seeds))
     fewer, more = int((after < before).sum()), int((after > before).sum())
     alt = (
-        f"Crashes of {len(seeds)} seeds without AEB and with {match.group}: fewer in {fewer}, more in {more}, "
-        f"equal in {len(seeds) - fewer - more}."
+        f"Crashes of {len(seeds)} seed{'s' if len(seeds) != 1 else ''} without AEB and with {match.group}: "
+        f"fewer in {fewer}, more in {more}, equal in {len(seeds) - fewer - more}."
     )
     with canvas(1.3 + min(len(seeds), _MANY) * 0.15) as (figure, axes):
         axes.hlines(y, before, after, color=FAINT, lw=1)

@@ -21,17 +21,17 @@ def section(matched: Sequence[Match]) -> Section | None:
     table = Table(
         id="pair-table", title="What became of the crashes without AEB", rows=[r for m in compared for r in _rows(m)],
         head=(
-            "group", "outcome with AEB", "crashes", "of these primary", "an AEB acted", "no AEB acted",
+            "group", "outcome with AEB", "crashes", "of these primary", "an AEB acted on it", "none did",
             "of the crashes without",
         ),
-        note="Primary: neither vehicle had crashed before. An AEB acted: that of one of the two on the other, from 15 "
-        "s before to 5 s after the crash without; else the traffic had become another one and the two did not meet "
-        "like that. New crashes are counted beside those without, so they may be above 100 %. Intervals: the seed is "
-        "the cluster.",
+        note="Primary: neither vehicle had crashed before. An AEB acted on it: that of one of the two on the other, "
+        "from 15 s before to 5 s after the crash without; else the traffic had become another one and the two did not "
+        "meet like that, or an AEB acted on somebody else or earlier. New crashes are counted beside those "
+        "without, so they may be above 100 %. Intervals: the seed is the cluster.",
     )  # fmt: skip
     text = (
         "Every crash without AEB is looked up in the run with it: the same two vehicles, same seed. Harder or less "
-        "hard: by the risk of serious injury where there is a curve for it, else by impact speed; less than 1 km/h is "
+        "hard: by the risk of serious injury where there is a curve for it, else by impact speed; up to 1 km/h is "
         "no change.",
     )
     return Section(id="pairs", title=title, text=[text], tables=[table])

@@ -8,7 +8,7 @@ import pandas as pd
 
 from analysis.crashes import crash_counts, crash_rates
 from analysis.load import Dataset
-from analysis.report.drawing import canvas, empty, svg
+from analysis.report.drawing import canvas, empty, legend, svg
 from analysis.report.intervals import median, records
 from analysis.report.looks import ecdf, looks
 from analysis.report.parts import Cell, Figure, Quantity, Section, Table, count
@@ -36,7 +36,7 @@ def section(data: Dataset, groups: Mapping[str, Dataset]) -> Section:
     rates = {row["group"]: row for row in records(crash_rates(data))}
     rates_table = Table(
         id="crash-rates", title="Crash rate and impact speed",
-        head=("group", "crashes", "crash rate", "median impact speed"),
+        head=("group", "crashes", "crashes per million vehicle-km", "median impact speed"),
         rows=[_rate(g, rates[g], part) for g, part in groups.items()],
         note="Rate per million vehicle-km of all vehicles, exact Poisson interval, which takes crashes as independent: "
         "with many secondary crashes it is too narrow. Median with the interval between order statistics.",
@@ -86,7 +86,7 @@ def _kinds(counts: pd.DataFrame, groups: Mapping[str, Dataset]) -> Figure:
             axes.grid(axis="y", visible=False)
             axes.margins(x=0.12)
             axes.set(xlabel="crashes per run")
-            figure.legend(loc="outside upper left", ncols=1 if len(groups) > 2 else 2)
+            legend(figure, axes)
         else:
             empty(axes, "no crashes")
         drawn = svg(figure, "crash-kinds-figure", alt)

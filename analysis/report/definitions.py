@@ -26,9 +26,10 @@ _ALWAYS = (
      "of this simulation would give. It says nothing of how near the simulation is to the road."),
 )  # fmt: skip
 _VERDICTS = (
-    ("verdict", "When an intervention first acts on the world, the simulated world is forked. In the fork this one "
-     "intervention is suppressed and the world runs on for a while, all else being equal, drivers' reactions included. "
-     "The verdict compares what happened to the vehicle and those behind it with what happened there."),
+    ("verdict", "When an intervention first acts on the world, because the brake bites or the driver heeds the "
+     "warning, the simulated world is forked. In the fork this one intervention is suppressed and the world runs on, "
+     "all else being equal, drivers' reactions included. The verdict compares what happened to the vehicle and the "
+     "three behind it, from the beginning of the intervention on for 10 s, with what happened there."),
     ("precision, recall", "Precision: share of the judged interventions that avoided or mitigated a crash. Recall: "
      "share avoided of the crashes that vehicles with an AEB would have struck."),
     ("near-crash", "No contact, but braking above 0.5 g at a TTC below 4 s; on a road of friction below 0.56, above "

@@ -15,7 +15,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-__all__ = ["FAINT", "GRID", "INK", "PAGE", "SERIES", "VERDICTS", "canvas", "empty", "svg"]
+__all__ = ["FAINT", "GRID", "INK", "PAGE", "SERIES", "VERDICTS", "canvas", "empty", "legend", "svg"]
 
 # Stand-ins, which become variables of the page's style sheet.
 INK, FAINT, GRID, PAGE = "#010101", "#020202", "#030303", "#040404"
@@ -42,6 +42,7 @@ _VARIABLES = {
     **{colour: f"verdict-{verdict}" for verdict, colour in VERDICTS.items()},
 }
 _WIDTH = 4.3  # inches; a phone shows this about as large as it is
+_FITS = 48  # characters of two labels beside each other
 _STYLE: dict[Any, Any] = {
     "svg.fonttype": "none",
     "font.size": 9,
@@ -89,6 +90,12 @@ def empty(axes: Axes, text: str) -> None:
     axes.text(0.5, 0.5, text, ha="center", va="center", color=FAINT, transform=axes.transAxes, wrap=True)
     axes.grid(visible=False)
     axes.set(xticks=[], yticks=[])
+
+
+def legend(figure: Figure, axes: Axes) -> None:
+    """A legend above the panel, in two columns where two labels are all there is and fit."""
+    labels = axes.get_legend_handles_labels()[1]
+    figure.legend(loc="outside upper left", ncols=2 if len(labels) <= 2 and len("".join(labels)) <= _FITS else 1)
 
 
 def svg(figure: Figure, name: str, alt: str) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.report.drawing import SERIES, canvas, empty, svg
+from analysis.report.drawing import SERIES, canvas, empty, legend, svg
 from analysis.report.matching import is_baseline
 from analysis.report.parts import Figure, number
 
@@ -81,7 +81,7 @@ def ecdf(
         if parts:
             axes.set(xlabel=label, ylabel=f"share of {events} [%]", ylim=(0, 102))
             axes.set_xlim(0, end)
-            figure.legend(loc="outside upper left", ncols=1 if len(parts) > 2 else 2)
+            legend(figure, axes)
         else:
             empty(axes, f"no {events}")
         drawn = svg(figure, name, alt)

@@ -9,16 +9,11 @@ import pandas as pd
 
 from analysis.effect import effect
 from analysis.load import Dataset
+from analysis.pairs import SAME
 from analysis.price import traffic_price
 from analysis.report.intervals import records
 
 __all__ = ["Match", "is_baseline", "matches"]
-
-# A baseline has no AEB: what is said of the AEB is no difference.
-_SAME = (
-    "scenario", "seed", "drivers", "step_length_s", "begin_s", "end_s", "demand", "ebike_share", "weather", "mu",
-    "blockage_s",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ def matches(data: Dataset, groups: Mapping[str, Dataset]) -> list[Match]:
         if is_baseline(name):
             continue
         own = part.runs[part.runs["outcome"] == "completed"]
-        pairs = own.merge(base.drop_duplicates(list(_SAME)), on=list(_SAME), suffixes=("", "_baseline"))
+        pairs = own.merge(base.drop_duplicates(list(SAME)), on=list(SAME), suffixes=("", "_baseline"))
         pairs = pairs.rename(columns={"run_id_baseline": "baseline", "run_id": "run"})
         left = tuple(r for r in part.runs["run_id"] if r not in set(pairs["run"]))
         pairs = pairs[["seed", "baseline", "run"]].sort_values(["seed", "run"], ignore_index=True)

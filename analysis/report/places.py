@@ -70,7 +70,7 @@ def _maps(
             views = {"": whole, "detail": near}
     if list(views) == ["", "detail"] and not len(part.crashes) and not len(part.interventions):
         views = {"": whole}
-    title = group if group.startswith(scenario) else f"{scenario}, {group}"
+    title = group if f"scenario {scenario}" in group else f"{scenario}, {group}"
     return [
         _map(f"{name}-{k}", f"{title}{': detail' if which else ''}", part, roads, view, detail=bool(which))
         for k, (which, view) in enumerate(views.items())

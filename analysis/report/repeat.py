@@ -25,7 +25,12 @@ def section(data: Dataset, groups: Mapping[str, Dataset]) -> Section:
     for name, part in groups.items():
         lines: dict[tuple[str, ...], list[int]] = {}
         for run in part.runs.sort_values(["seed", "run_id"]).pipe(records):
-            words = [*arguments(run, seed=False), *_verdicts(part), *_interval(part.traffic, run)]
+            words = [
+                *arguments(run, seed=False),
+                *_verdicts(part),
+                *_ceilings(data, run),
+                *_interval(part.traffic, run),
+            ]
             lines.setdefault(tuple(words), []).append(int(run["seed"]))
         for line, seeds in lines.items():
             code += [(f"{name}: {_seeds(seeds)}", _line(list(line), seeds, f"again/{len(code) + 1}"))]
@@ -45,6 +50,11 @@ def _verdicts(part: Dataset) -> list[str]:
         return []
     largest = part.interventions[told].groupby("run_id").size().max()
     return ["--verdicts", "all" if told.all() else f"sample:{largest}"]
+
+
+def _ceilings(data: Dataset, run: dict[str, object]) -> list[str]:
+    """Whether it was asked who could have avoided the crashes; for the rows of the AEB itself it takes `--compare`."""
+    return ["--ceilings"] if (data.ceilings["run_id"] == run["run_id"]).any() else []
 
 
 def _interval(traffic: pd.DataFrame, run: dict[str, object]) -> list[str]:

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from analysis.load import Dataset
-from analysis.report.drawing import canvas, empty, svg
+from analysis.report.drawing import canvas, empty, legend, svg
 from analysis.report.intervals import of_row
 from analysis.report.looks import Look, looks
 from analysis.report.matching import Match
@@ -102,7 +102,7 @@ def _course(
             axes.set(xlabel="time since the begin of the run [s]", ylabel=label)
             axes.set_xlim(left=0)
             axes.set_ylim(0, max(axes.get_ylim()[1], 1))
-            figure.legend(loc="outside upper left", ncols=1 if len(said) > 2 else 2)
+            legend(figure, axes)
         else:
             empty(axes, "no traffic")
         drawn = svg(figure, name, alt)

@@ -49,9 +49,9 @@ def section(groups: Mapping[str, Judged]) -> Section | None:
         "the distance that it stands for.",
     )  # fmt: skip
     text = (
-        "When an intervention first acted on the world, by the brake or by a warning that the driver heeded, the "
+        "When an intervention first acted on the world, because the brake bit or the driver heeded the warning, the "
         "simulated world was forked. In the fork this one intervention was suppressed, all else being equal, and the "
-        "verdict compares the two.",
+        "verdict compares the two. An intervention that never acted is compared with itself.",
     )
     return Section(
         id="verdicts",
@@ -135,6 +135,8 @@ def _bars(name: str, group: str, some: Judged) -> Figure:
     shown = [v for v in VERDICTS if v != "unknown"]
     listed = ", ".join(f"{v} {some.count(v)}" for v in shown)
     alt = f"Verdicts of {len(some.known)} interventions of {group}: {listed}; unknown {some.count('unknown')}."
+    one = some.known["seed"].nunique() == 1
+    note = f"Thin lines: 95 %, {'of one seed alone, taken as independent' if one else 'by seed'}."
     with canvas(2.6) as (figure, axes):
         if len(some.known):
             ends = []
@@ -156,4 +158,4 @@ def _bars(name: str, group: str, some: Judged) -> Figure:
         else:
             empty(axes, "all verdicts unknown")
         drawn = svg(figure, name, alt)
-    return Figure(id=name, title=f"Verdicts: {group}", svg=drawn, alt=alt, note="Thin lines: 95 %, by seed.")
+    return Figure(id=name, title=f"Verdicts: {group}", svg=drawn, alt=alt, note=note)

@@ -238,3 +238,10 @@ def test_the_command_writes_one_file_and_bad_input_none(folder):
     assert made == folder / "replay-crash-0.html"
     assert made.read_text() == replay(folder, "crash:0", run_id=LATE)
     made.unlink()
+
+
+def test_an_event_too_long_for_the_name_of_a_file_is_one_clear_line(folder):
+    words = [sys.executable, "-m", "aeb_sumo", "replay", str(folder), "a" * 400]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert "cannot read the event" in done.stderr

@@ -97,6 +97,18 @@ def test_runs_of_different_settings_are_different_groups(data):
     assert groups.tolist() == ["none, mu 0.85", "none, mu 0.5", "zhao2025, mu 0.85", "zhao2025, mu 0.85"]
 
 
+def test_what_differs_between_scenarios_alone_is_said_by_their_names(data):
+    runs = data.runs.assign(
+        scenario=["a", "b", "a", "b"], ebike_share=[np.nan, 0.7, np.nan, 0.7], drivers=["x", "y"] * 2
+    )
+    groups = replace(data, runs=runs).groups()
+    assert groups.tolist() == [f"{who}, scenario {where}" for who in ("none", "zhao2025") for where in ("a", "b")]
+    groups = replace(data, runs=runs.assign(mu=[0.5, 0.5, 0.85, 0.5])).groups()
+    assert groups.tolist() == [
+        "none, scenario a, mu 0.5", "none, scenario b", "zhao2025, scenario a, mu 0.85", "zhao2025, scenario b",
+    ]  # fmt: skip
+
+
 def conflicts(*rows):
     """(kind, near_crash, crashed, secondary, TTC, PET) each, and one primary and one secondary rear-end crash."""
     names = ("kind", "near_crash", "crashed", "secondary", "min_ttc_s", "pet_s")

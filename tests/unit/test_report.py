@@ -14,7 +14,7 @@ import analysis
 import sumo_nets
 from aeb_sumo.results import Results
 from analysis.report import render
-from analysis.report.drawing import SERIES
+from analysis.report.drawing import SERIES, canvas, legend
 from analysis.report.drawing import VERDICTS as VERDICT_COLOURS
 from analysis.report.intervals import median, per_1000_km, share
 from analysis.report.network import lanes
@@ -217,6 +217,30 @@ def test_the_repeated_commands_name_every_run(page):
     assert "aeb-sumo run highway --strategy none --duration 240 --step-length 0.1 --blockage 60 --seed" in text
     assert "aeb-sumo run highway --strategy zhao2025 --sensing ideal --penetration 1 --duration 240" in text
     assert "aeb-sumo 0.1.0, SUMO 1.28.0" in text
+
+
+def test_runs_with_ceilings_are_repeated_with_them_and_others_are_not():
+    rows = tables({("none", 1): 2, ("zhao2025", 1): 1}, ACTIONS)
+    baseline = rows["runs"][0]["run_id"]
+    rows["ceilings"] = [{"run_id": baseline, "crash_id": 0, "ceiling": "perfect", "outcome": "avoided"}]
+    shown = Page(render(analysis.Dataset.of(Results.of(rows)), networks=NET))
+    lines = [line for text in shown.text for line in text.splitlines() if line.startswith("aeb-sumo run")]
+    assert [("--strategy none" in line, "--ceilings" in line) for line in lines] == [(True, True), (False, False)]
+
+
+def test_two_names_that_do_not_fit_beside_each_other_stand_below_each_other():
+    for names, columns in ((["none", "zhao2025"], 2), (["zhao2025, scenario highway (n = 293)", "x" * 30], 1)):
+        with canvas(2.0) as (figure, axes):
+            for name in names:
+                axes.plot([0, 1], label=name)
+            legend(figure, axes)
+            assert figure.legends[0]._ncols == columns
+
+
+def test_the_page_says_when_the_world_is_forked(page):
+    text = " ".join(" ".join(page.text).split())
+    assert "because the brake bit or the driver heeded the warning" in text
+    assert "reached the driver" not in text
 
 
 @pytest.mark.parametrize(

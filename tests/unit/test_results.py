@@ -1,4 +1,5 @@
 import pandas as pd
+import pyarrow.parquet as pq
 import pytest
 
 from aeb_sumo.errors import InputError
@@ -44,6 +45,15 @@ def test_reading_what_is_no_results(tmp_path):
         read(tmp_path)
     pd.DataFrame({"x": [1]}).to_parquet(tmp_path / "crashes" / "a.parquet")
     with pytest.raises(InputError, match="another schema"):
+        read(tmp_path)
+
+
+def test_results_of_another_version_are_refused_though_their_columns_are_the_same(tmp_path):
+    write(one_run(), tmp_path)
+    path = tmp_path / "crashes" / "a.parquet"
+    table = pq.read_table(path)
+    pq.write_table(table.replace_schema_metadata(table.schema.metadata | {b"schema_version": b"3"}), path)
+    with pytest.raises(InputError, match="version 3 instead of"):
         read(tmp_path)
 
 
