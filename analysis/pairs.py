@@ -83,10 +83,9 @@ def pairs(data: Dataset, baseline: str = "none") -> pd.DataFrame:
         risk of serious injury where a curve applies in both worlds, else by impact speed; within 1 km/h of impact speed
         nothing has changed, as in verdicts); `new` (they crash under AEB alone).
 
-        `how`, of avoided ones: `intervened` (the AEB of one of the two acted on the other, beginning between 15 s
-        before and 5 s after the baseline's crash, our assumption), else `diverged` (no AEB of one acted on the other
-        then: the encounter did not come about, as the traffic had become another one, or an AEB acted on somebody
-        else or earlier); else empty.
+        `how`, of avoided ones: `intervened` (the AEB of one of the two acted, on whomever, beginning between 15 s
+        before and 5 s after the baseline's crash, our assumption), else `diverged` (the traffic had become another one,
+        by other AEBs or by earlier acts of theirs); else empty.
 
     Raises:
         InputError: as `partners`.
@@ -132,10 +131,9 @@ def _change(rows: pd.DataFrame) -> pd.Series:
 
 
 def _acted(rows: pd.DataFrame, interventions: pd.DataFrame) -> pd.Series:
-    """Whether an AEB of one of the two acted on the other around the time of the baseline's crash."""
-    two = interventions[["vehicle", "target"]]
-    acts = pd.DataFrame({"run_id": interventions["run_id"], "begin_s": interventions["begin_s"]})
-    acts = acts.assign(first=two.min(axis=1), second=two.max(axis=1))
-    found = rows.reset_index(names="row").merge(acts, on=["run_id", "first", "second"])
+    """Whether an AEB of one of the two acted, on whomever, around the time of the baseline's crash."""
+    acts = interventions[["run_id", "vehicle", "begin_s"]]
+    either = [rows.reset_index(names="row").assign(vehicle=rows[one].to_numpy()) for one in ("first", "second")]
+    found = pd.concat(either).merge(acts, on=["run_id", "vehicle"])
     since = found["begin_s"] - found["baseline_time_s"]
     return pd.Series(rows.index.isin(found.loc[since.between(-_BEFORE, _AFTER), "row"]), index=rows.index)

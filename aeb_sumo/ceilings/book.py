@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-from aeb_sumo.ceilings.cases import Case, Otherwise, hit_of, row_of
+from aeb_sumo.ceilings.cases import Case, Otherwise, row_of
 from aeb_sumo.engine import Engine
 from aeb_sumo.verdicts import Hit
+from aeb_sumo.verdicts.witness import hit_of
 from aeb_sumo.world.fork import Answer, Forks, obstacle
 
 __all__ = ["Book"]
@@ -83,7 +84,7 @@ class Book:
         while engine.time < case.time + AFTER and not engine.session.exhausted:
             engine.observe()
             for crash in engine.crashes:
-                hit = hit_of(crash, t.vclass)
+                hit = hit_of(crash, t.vclass, own=True)
                 if hit.pair == case.pair and not pushed:
                     return Otherwise(braked=braked, own=hit, new=())
                 if set(hit.pair) & set(case.equip):

@@ -6,13 +6,12 @@ from typing import Any
 
 import pandas as pd
 
-from aeb_sumo.ledger.severity import risks
 from aeb_sumo.verdicts import Hit, Outcome, verdict
 from aeb_sumo.world.fork import Answer
 from aeb_sumo.world.observe import VClasses
-from aeb_sumo.world.wrecks import Crash
+from aeb_sumo.world.wrecks import pair_of
 
-__all__ = ["Case", "Otherwise", "cases", "hit_of", "row_of"]
+__all__ = ["Case", "Otherwise", "cases", "row_of"]
 
 _NOBODY = "no motor vehicle whose braking could help"
 
@@ -88,19 +87,6 @@ def cases(crashes: pd.DataFrame, systems: Sequence[str]) -> Iterator[Case]:
             )
 
 
-def hit_of(crash: Crash, vclass: list[str]) -> Hit:
-    """A crash as verdicts have it; SUMO's vehicle class per slot."""
-    hit = crash.impact
-    risk = [r for name, r in risks(hit, crash.kind, vclass).items() if r is not None and name.endswith("serious_risk")]
-    return Hit(
-        pair=pair_of(crash.striker, crash.struck),
-        own=True,
-        impact_speed=hit.impact_speed,
-        delta_v=max(hit.striker_delta_v, hit.struck_delta_v),
-        serious_risk=sum(risk) if risk else None,
-    )
-
-
 def row_of(case: Case, answer: Answer, when: float | None) -> dict[str, Any]:
     """Row of table `ceilings`, all but `run_id`.
 
@@ -131,7 +117,3 @@ def _world(name: str, hit: Hit | None) -> dict[str, Any]:
         f"{name}_delta_v_mps": hit.delta_v if hit else None,
         f"{name}_serious_risk": hit.serious_risk if hit else None,
     }
-
-
-def pair_of(one: str, other: str) -> tuple[str, str]:
-    return (one, other) if one <= other else (other, one)

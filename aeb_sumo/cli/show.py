@@ -58,7 +58,7 @@ def print_pairs(frame: pd.DataFrame, title: str) -> None:
     names = ("count", "primary", "intervened", "diverged", "percent", "low", "high")
     for group, rows in frame.groupby(level="group", sort=False):
         table = Table(title=f"{title}: {group}", title_justify="left")
-        for name in ("", "crashes", "of these primary", "an AEB acted on it", "none did", "%", "95 % from", "to"):
+        for name in ("", "crashes", "of these primary", "an AEB of them acted", "none did", "%", "95 % from", "to"):
             table.add_column(name, justify="right" if name else "left")
         for outcome, row in rows.droplevel("group").iterrows():
             cells = [_cell(row[name], whole=is_integer_dtype(frame[name]), sign=False) for name in names]

@@ -12,6 +12,8 @@ from aeb_sumo.results import TABLES
 
 __all__ = ["compare", "tables"]
 
+_PRICED = ("delay", "flow", "mean speed")  # of the effect, which the price has too
+
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
@@ -33,12 +35,11 @@ def compare(folder: Path, other: Path | None) -> int:
             print_frame(quality, f"{name}: how many interventions were needed, how many crashes avoided")
             print_groups(analysis.verdict_rates(each), f"{name}: verdicts per 1,000 km")
             print_groups(analysis.passed_on(each), f"{name}: hard braking passed on to those behind")
-        if {"none"} < set(each.by_group()):
-            print_frame(analysis.throughput_impact(each), f"{name}: change against the baseline, %")
         if {"none"} < set(each.runs["strategy"]):
             try:
                 print_pairs(analysis.pair_counts(each), f"{name}: what became of the crashes of the baseline, by seed")
-                print_effect(analysis.effect(each), f"{name}: what the AEB changes, by seed")
+                crashes = analysis.effect(each).drop(index=list(_PRICED), level="figure")
+                print_effect(crashes, f"{name}: what the AEB changes, by seed")
                 print_effect(analysis.traffic_price(each), f"{name}: price for the traffic, by seed")
             except InputError as error:
                 click.echo(f"aeb-sumo: note: {name} has no pairs of runs: {error}", err=True)

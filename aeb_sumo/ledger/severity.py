@@ -1,5 +1,7 @@
 """What a crash did to the people in it."""
 
+from collections.abc import Sequence
+
 from aeb_sumo.severity import death_risk, serious_risk
 from aeb_sumo.world.contact import Impact
 from aeb_sumo.world.observe import VClasses
@@ -14,7 +16,7 @@ _ROAD_USERS = {
 }  # fmt: skip
 
 
-def risks(hit: Impact, kind: str, vclass: list[str]) -> dict[str, float | None]:
+def risks(hit: Impact, kind: str, vclass: Sequence[str]) -> dict[str, float | None]:
     """Columns `*_risk` of table `crashes`; None where no curve applies.
 
     The curves are for who is hit by the front of a passenger car: the struck, and in a head-on crash the striker too.

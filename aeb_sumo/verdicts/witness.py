@@ -1,14 +1,16 @@
 """Looks on what happens to one vehicle, and to those behind it, in whichever world it is."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from aeb_sumo.engine import Engine
 from aeb_sumo.ledger.conflicts import Conflicts
 from aeb_sumo.ledger.severity import risks
 from aeb_sumo.verdicts.judge import Hit, Outcome
-from aeb_sumo.world.wrecks import Crash
+from aeb_sumo.world.wrecks import Crash, pair_of
 
-__all__ = ["Witness"]
+__all__ = ["Witness", "hit_of"]
 
 _BEHIND = 3  # vehicles behind whose crashes count, our assumption
 _CLOSE = 3.0  # s of headway within which somebody follows, our assumption
@@ -68,29 +70,38 @@ class Witness:
         )
 
     def _see(self, crash: Crash) -> None:
-        one, other = sorted((crash.striker, crash.struck))
-        own = self.vehicle in (one, other)
-        if not own and not self._behind & {one, other}:
-            return
-        hit = crash.impact
-        known = risks(hit, crash.kind, self._engine.traffic.vclass)
-        risk = [r for name, r in known.items() if name.endswith("serious_risk") and r is not None]
-        self._hits.append(
-            Hit(
-                pair=(one, other),
-                own=own,
-                impact_speed=hit.impact_speed,
-                delta_v=max(hit.striker_delta_v, hit.struck_delta_v),
-                serious_risk=sum(risk) if risk else None,
-            )
-        )
+        pair = {crash.striker, crash.struck}
+        own = self.vehicle in pair
+        if own or self._behind & pair:
+            self._hits.append(hit_of(crash, self._engine.traffic.vclass, own=own))
 
     def _followers(self) -> frozenset[str]:
-        """Ids of the next few vehicles behind."""
-        t, lead = self._engine.traffic, self._engine.leads.lead
-        chain: list[int] = []
-        front = np.array([self._slot])
+        """Ids of the next few vehicles behind, one behind the other."""
+        t, leads = self._engine.traffic, self._engine.leads
+        chain, front = [], self._slot
         for _ in range(_BEHIND):
-            front = np.flatnonzero(np.isin(lead, front) & t.here)
-            chain += front.tolist()
-        return frozenset(t.ids[slot] for slot in chain)
+            behind = np.flatnonzero((leads.lead == front) & t.here)
+            if not len(behind):
+                break
+            front = int(behind[np.argmin(leads.gap[behind])])
+            chain.append(t.ids[front])
+        return frozenset(chain)
+
+
+def hit_of(crash: Crash, vclass: Sequence[str], *, own: bool) -> Hit:
+    """A crash as verdicts have it.
+
+    Args:
+        crash: what happened.
+        vclass: per slot, SUMO's vehicle class.
+        own: see `Hit`.
+    """
+    hit, risk = crash.impact, risks(crash.impact, crash.kind, vclass)
+    serious = [r for name, r in risk.items() if name.endswith("serious_risk") and r is not None]
+    return Hit(
+        pair=pair_of(crash.striker, crash.struck),
+        own=own,
+        impact_speed=hit.impact_speed,
+        delta_v=max(hit.striker_delta_v, hit.struck_delta_v),
+        serious_risk=sum(serious) if serious else None,
+    )

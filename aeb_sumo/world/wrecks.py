@@ -13,7 +13,7 @@ from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.typology import typology
 from aeb_sumo.world.walkers import PREFIX, fell
 
-__all__ = ["Crash", "Wrecks"]
+__all__ = ["Crash", "Wrecks", "pair_of"]
 
 _SLIDING = 6.0  # m/s2, deceleration of a wreck, our assumption
 _LEFT = frozenset("lL")
@@ -98,12 +98,12 @@ class Wrecks:
             one = self._name(collision.collider, collision.colliderType)
             other = self._name(collision.victim, collision.victimType)
             if one and other:
-                self.reported.setdefault(_pair(one, other), time)
+                self.reported.setdefault(pair_of(one, other), time)
         new = []
         pairs, instants = touching(t)
         for k in np.argsort(instants, kind="stable"):
             # Wrecks go on touching for as long as they stand.
-            if _pair(*(t.ids[slot] for slot in pairs[k])) in self.crashed:
+            if pair_of(*(t.ids[slot] for slot in pairs[k])) in self.crashed:
                 continue
             crash = self._judge(impact(t, pairs[k], float(instants[k]), time))
             if crash is not None:
@@ -123,7 +123,7 @@ class Wrecks:
     def _judge(self, hit: Impact) -> Crash | None:
         t = self.traffic
         striker, struck = t.ids[hit.striker], t.ids[hit.struck]
-        pair = _pair(striker, struck)
+        pair = pair_of(striker, struck)
         if "pedestrian" in (t.vclass[hit.striker], t.vclass[hit.struck]):
             return self._run_down(hit)
         if hit.approach <= 0:
@@ -161,7 +161,7 @@ class Wrecks:
         if t.vclass[slot] == "pedestrian":
             slot, speed, walker = hit.struck, hit.struck_speed, hit.striker
         vehicle, striker, struck = t.ids[slot], t.ids[hit.striker], t.ids[hit.struck]
-        pair = _pair(striker, struck)
+        pair = pair_of(striker, struck)
         self._touched = {p: when for p, when in self._touched.items() if hit.time - when < 10 * t.dt}
         touched, self._touched[pair] = self._touched.get(pair, -np.inf), hit.time
         if hit.approach <= 0 or speed <= _STANDS or hit.time - touched < 2 * t.dt:
@@ -258,5 +258,6 @@ class Wrecks:
                 libsumo.vehicle.remove(vehicle)
 
 
-def _pair(a: str, b: str) -> tuple[str, str]:
+def pair_of(a: str, b: str) -> tuple[str, str]:
+    """Two names in alphabetical order."""
     return (a, b) if a <= b else (b, a)

@@ -21,13 +21,12 @@ def section(matched: Sequence[Match]) -> Section | None:
     table = Table(
         id="pair-table", title="What became of the crashes without AEB", rows=[r for m in compared for r in _rows(m)],
         head=(
-            "group", "outcome with AEB", "crashes", "of these primary", "an AEB acted on it", "none did",
+            "group", "outcome with AEB", "crashes", "of these primary", "an AEB of them acted", "none did",
             "of the crashes without",
         ),
-        note="Primary: neither vehicle had crashed before. An AEB acted on it: that of one of the two on the other, "
-        "from 15 s before to 5 s after the crash without; else the traffic had become another one and the two did not "
-        "meet like that, or an AEB acted on somebody else or earlier. New crashes are counted beside those "
-        "without, so they may be above 100 %. Intervals: the seed is the cluster.",
+        note="Primary: neither vehicle had crashed before. An AEB of them acted: that of one of the two, from 15 s before "
+        "to 5 s after the crash without; where none did, the traffic had become another one. New crashes are counted "
+        "beside those without, so they may be above 100 %. Intervals: the seed is the cluster.",
     )  # fmt: skip
     text = (
         "Every crash without AEB is looked up in the run with it: the same two vehicles, same seed. Harder or less "

@@ -53,7 +53,7 @@ def data():
         crash("x", "y", 90.0, 3.0),
         crash("x", "a", 95.0, 3.0, secondary=True),
     ]
-    acts = [act("b", "a", 104.9), act("c", "z", 109.0), act("d", "c", 94.9), act("c", "d", 115.1)]
+    acts = [act("b", "a", 104.9), act("z", "c", 109.0), act("d", "c", 94.9), act("c", "d", 115.1)]
     return dataset(("none", 1, before, [], {}), ("zhao2025", 1, after, acts, {}))
 
 
