@@ -1,7 +1,15 @@
-"""Makes inputs for tests."""
+"""Makes inputs for tests, and runs the command."""
+
+import sys
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import patch
 
 import numpy as np
 
+from aeb_sumo.cli import main
 from aeb_sumo.strategies.base import Percept
 
 
@@ -29,3 +37,19 @@ def percept(**values: object) -> Percept:
         k: np.broadcast_to(np.asarray(values.get(k, d)), n).copy() for k, d in (("valid", True), ("vulnerable", False))
     }
     return Percept(**masks, **rows)
+
+
+def command(*arguments: object, cwd: Path | None = None) -> SimpleNamespace:
+    """`aeb-sumo` with some arguments, in this process: what it prints, and its exit status."""
+    out, err, status = StringIO(), StringIO(), 0
+    with (
+        chdir(cwd or Path.cwd()),
+        redirect_stdout(out),
+        redirect_stderr(err),
+        patch.object(sys, "argv", ["aeb-sumo", *map(str, arguments)]),
+    ):
+        try:
+            main()
+        except SystemExit as end:
+            status = int(end.code or 0)
+    return SimpleNamespace(returncode=status, stdout=out.getvalue(), stderr=err.getvalue())

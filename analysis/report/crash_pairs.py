@@ -24,7 +24,7 @@ def section(matched: Sequence[Match]) -> Section | None:
             "group", "outcome with AEB", "crashes", "of these primary", "an AEB of them acted", "none did",
             "of the crashes without",
         ),
-        note="Primary: neither vehicle had crashed before. An AEB of them acted: that of one of the two, from 15 s before "
+        note="Primary: neither vehicle had crashed before. An AEB of them acted: of one of the two, from 15 s before "
         "to 5 s after the crash without; where none did, the traffic had become another one. New crashes are counted "
         "beside those without, so they may be above 100 %. Intervals: the seed is the cluster.",
     )  # fmt: skip

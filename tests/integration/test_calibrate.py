@@ -1,20 +1,13 @@
 """`aeb-sumo calibrate` and `aeb-sumo drivers`."""
 
-import subprocess
-import sys
-
 import pytest
 
 from aeb_sumo.drivers import profile
-
-
-def aeb_sumo(*arguments, cwd):
-    command = [sys.executable, "-m", "aeb_sumo", *map(str, arguments)]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+from tests.helpers import command
 
 
 def test_the_drivers_of_the_highway_beside_the_evidence(tmp_path):
-    done = aeb_sumo("calibrate", "--seeds", 2, "--duration", 40, cwd=tmp_path)
+    done = command("calibrate", "--seeds", 2, "--duration", 40, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     for words in (
         "near-crashes per crash",
@@ -28,16 +21,16 @@ def test_the_drivers_of_the_highway_beside_the_evidence(tmp_path):
 
 
 def test_the_sweep_draws_its_figure(tmp_path):
-    done = aeb_sumo("calibrate", "--sweep", "--seeds", 1, "--duration", 15, "--figure", "f.svg", cwd=tmp_path)
+    done = command("calibrate", "--sweep", "--seeds", 1, "--duration", 15, "--figure", "f.svg", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "0.45" in done.stdout
     assert "<svg" in (tmp_path / "f.svg").read_text()
 
 
 def test_profiles_are_printed_as_they_are(tmp_path):
-    done = aeb_sumo("drivers", "highway", cwd=tmp_path)
+    done = command("drivers", "highway", cwd=tmp_path)
     assert done.stdout == profile.text("highway")
-    names = aeb_sumo("drivers", cwd=tmp_path).stdout
+    names = command("drivers", cwd=tmp_path).stdout
     assert all(name in names for name in profile.names())
 
 
@@ -63,7 +56,7 @@ def test_bad_input_is_one_clear_line(arguments, words, tmp_path):
     (tmp_path / "bad.toml").write_text("[glances]\nshare = 2\n")
     (tmp_path / "inline.toml").write_text("hard_braking = {duration = 1.0}\n")
     before = sorted(tmp_path.iterdir())
-    done = aeb_sumo(*arguments, cwd=tmp_path)
+    done = command(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stdout == ""
     (line,) = done.stderr.splitlines()

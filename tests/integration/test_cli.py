@@ -1,4 +1,4 @@
-"""The command as a user types it: in a process of its own."""
+"""The command as a user types it."""
 
 import hashlib
 import signal
@@ -11,12 +11,7 @@ import pandas as pd
 import pytest
 
 from aeb_sumo.results import TABLES
-
-
-def aeb_sumo(*arguments, cwd=None):
-    return subprocess.run(
-        [sys.executable, "-m", "aeb_sumo", *map(str, arguments)], capture_output=True, text=True, cwd=cwd, check=False
-    )
+from tests.helpers import command
 
 
 def fingerprint(folder: Path) -> dict[str, str]:
@@ -26,14 +21,14 @@ def fingerprint(folder: Path) -> dict[str, str]:
 
 
 def test_compare_prints_both_and_keeps_the_tables(tmp_path):
-    done = aeb_sumo("run", "track", "--compare", "--out", tmp_path / "out")
+    done = command("run", "track", "--compare", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     for word in ("none", "zhao2025", "difference", "rear end", "crash rate", "override violations"):
         assert word in done.stdout
     for name in TABLES:
         pd.read_parquet(tmp_path / "out" / name)
     assert sorted(pd.read_parquet(tmp_path / "out" / "runs")["strategy"]) == ["none", "zhao2025"]
-    again = aeb_sumo("compare", tmp_path / "out")
+    again = command("compare", tmp_path / "out")
     assert again.returncode == 0
     for word in ("difference", "what became of the crashes", "price for the traffic"):
         assert word in again.stdout
@@ -41,13 +36,13 @@ def test_compare_prints_both_and_keeps_the_tables(tmp_path):
 
 def test_the_same_command_twice_gives_identical_tables(tmp_path):
     for name in ("a", "b"):
-        assert aeb_sumo("run", "highway", "--duration", 60, "--out", tmp_path / name, "--quiet").returncode == 0
+        assert command("run", "highway", "--duration", 60, "--out", tmp_path / name, "--quiet").returncode == 0
     assert fingerprint(tmp_path / "a") == fingerprint(tmp_path / "b")
 
 
 def test_a_mix_is_one_run_beside_the_baseline(tmp_path):
     mix = ("--equip", "zhao2025=0.5,yan2025=0.5", "--set", "zhao2025.comfort_decel=5", "--set", "yan2025.brake.lag=0.2")
-    done = aeb_sumo("run", "track", *mix, "--compare", "--out", tmp_path / "out")
+    done = command("run", "track", *mix, "--compare", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     runs = pd.read_parquet(tmp_path / "out" / "runs").set_index("strategy")
     assert sorted(runs.index) == ["none", "yan2025=0.5,zhao2025=0.5"]
@@ -55,30 +50,30 @@ def test_a_mix_is_one_run_beside_the_baseline(tmp_path):
     assert row["sensing"] == "fusion+ideal"
     assert row["parameters"] == "yan2025.brake.lag=0.2 zhao2025.comfort_decel=5.0"
     assert row["penetration"] == 1
-    assert aeb_sumo("compare", tmp_path / "out").returncode == 0
+    assert command("compare", tmp_path / "out").returncode == 0
 
 
 def test_ceilings_are_printed_and_kept(tmp_path):
-    done = aeb_sumo("run", "track", "--compare", "--ceilings", "--out", tmp_path / "out")
+    done = command("run", "track", "--compare", "--ceilings", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert "crashes of the baseline avoided by" in done.stdout
     table = pd.read_parquet(tmp_path / "out" / "ceilings").set_index("ceiling")
     assert sorted(table.index) == ["careful", "perfect", "zhao2025"]
     assert set(table["outcome"]) == {"avoided"}
     plain = tmp_path / "plain"
-    assert aeb_sumo("run", "track", "--compare", "--out", plain, "--quiet").returncode == 0
+    assert command("run", "track", "--compare", "--out", plain, "--quiet").returncode == 0
     for name in set(TABLES) - {"ceilings"}:
         assert pd.read_parquet(tmp_path / "out" / name).equals(pd.read_parquet(plain / name)), name
     assert pd.read_parquet(plain / "ceilings").empty
 
 
 def test_quiet_is_quiet(tmp_path):
-    done = aeb_sumo("run", "track", "--quiet")
+    done = command("run", "track", "--quiet")
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
 def test_tables_are_documented():
-    done = aeb_sumo("tables", "crashes")
+    done = command("tables", "crashes")
     assert done.returncode == 0
     assert "impact_speed_mps" in done.stdout
 
@@ -156,7 +151,7 @@ def test_bad_input_is_one_clear_line(arguments, words, tmp_path):
     (tmp_path / "results" / "runs" / "a.parquet").write_text("precious")
     before = fingerprint(tmp_path)
     out = () if "--out" in arguments or arguments[0] != "run" else ("--out", "new")
-    done = aeb_sumo(*arguments, *out, cwd=tmp_path)
+    done = command(*arguments, *out, cwd=tmp_path)
     assert done.returncode == 2
     assert done.stdout == ""
     (line,) = done.stderr.splitlines()
@@ -189,7 +184,7 @@ def test_ctrl_c_leaves_complete_tables_marked_as_interrupted(tmp_path):
 
 def test_a_scenario_of_the_users_own_runs_untouched(bologna, tmp_path):
     before = fingerprint(bologna)
-    done = aeb_sumo("run", "--sumocfg", bologna / "run.sumocfg", "--duration", 60, "--out", tmp_path / "out")
+    done = command("run", "--sumocfg", bologna / "run.sumocfg", "--duration", 60, "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert fingerprint(bologna) == before
     runs = pd.read_parquet(tmp_path / "out" / "runs").iloc[0]
@@ -213,6 +208,6 @@ def test_its_own_time_span_is_respected(tmp_path):
         f'<configuration><net-file value="{net}"/><route-files value="r.rou.xml"/>'
         '<begin value="100"/><end value="130"/><step-length value="0.5"/><seed value="7"/></configuration>'
     )
-    assert aeb_sumo("run", "--sumocfg", "x.sumocfg", "--out", "out", "--quiet", cwd=tmp_path).returncode == 0
+    assert command("run", "--sumocfg", "x.sumocfg", "--out", "out", "--quiet", cwd=tmp_path).returncode == 0
     row = pd.read_parquet(tmp_path / "out" / "runs").iloc[0]
     assert (row["begin_s"], row["end_s"], row["step_length_s"], row["seed"]) == (100, 130, 0.5, 7)

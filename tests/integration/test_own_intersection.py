@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.integration.test_cli import aeb_sumo
+from tests.helpers import command
 from tests.integration.test_networks import HAS_NETCONVERT
 
 needs_netconvert = pytest.mark.skipif(not HAS_NETCONVERT, reason="netconvert is not installed (extra: dev)")
@@ -18,12 +18,12 @@ needs_netconvert = pytest.mark.skipif(not HAS_NETCONVERT, reason="netconvert is 
 def test_an_intersection_from_a_file_and_the_command_line_can_be_run(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text('arms = "new"\nlanes = 2\nmedian = 2.0\nsetback = 4.0\n[demand]\nflow = 900\nebike_share = 0.4\n')
-    built = aeb_sumo("intersection", file, "--set", "median=3.0", "--set", "demand.left=0.3", "--out", tmp_path / "x")
+    built = command("intersection", file, "--set", "median=3.0", "--set", "demand.left=0.3", "--out", tmp_path / "x")
     assert built.returncode == 0, built.stderr
     assert f"offset {1.4 + 3.0 + 5.6 + 0.6:.2f} m" in built.stdout
     sumocfg = tmp_path / "x" / "intersection.sumocfg"
     assert str(sumocfg) in built.stdout
-    done = aeb_sumo(
+    done = command(
         "run", "--sumocfg", sumocfg, "--duration", 60, "--weather", "wet", "--demand", 2, "--out", tmp_path / "out"
     )
     assert done.returncode == 0, done.stderr
@@ -33,7 +33,7 @@ def test_an_intersection_from_a_file_and_the_command_line_can_be_run(tmp_path):
 
 
 def test_the_variation_is_in_the_tables(tmp_path):
-    done = aeb_sumo(
+    done = command(
         "run", "w2t", "--strategy", "none", "--duration", 30, "--ebike-share", 0, "--mu", 0.4, "--out", tmp_path / "out"
     )
     assert done.returncode == 0, done.stderr
@@ -56,7 +56,7 @@ BAD = [
 
 @pytest.mark.parametrize(("arguments", "words"), BAD)
 def test_bad_input_is_one_line_and_nothing_is_written(arguments, words, tmp_path):
-    done = aeb_sumo("intersection", *arguments, "--out", tmp_path / "x", cwd=tmp_path)
+    done = command("intersection", *arguments, "--out", tmp_path / "x", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.count("\n") == 1
     assert all(word in done.stderr for word in words), done.stderr
@@ -65,7 +65,7 @@ def test_bad_input_is_one_line_and_nothing_is_written(arguments, words, tmp_path
 
 def test_a_folder_that_holds_something_is_refused(tmp_path):
     (tmp_path / "note.txt").write_text("mine")
-    done = aeb_sumo("intersection", "--out", tmp_path)
+    done = command("intersection", "--out", tmp_path)
     assert done.returncode == 2
     assert "is not empty" in done.stderr
     assert [p.name for p in tmp_path.iterdir()] == ["note.txt"]
