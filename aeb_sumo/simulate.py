@@ -57,6 +57,7 @@ def run(
     sensing: str | Suite | None = None,
     equip: str | Equipment | None = None,
     verdicts: str = "none",
+    forks: int | None = None,
     trace: Recorder | None = None,
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -80,6 +81,7 @@ def run(
             text, such as `zhao2025=0.3,yan2025=0.2` or `passenger:zhao2025=0.5,truck:zhao2025/radar=0.2`.
         verdicts: which interventions are judged by a fork of the world in which they do not take place: `all`, `none`,
             or `sample:N`, a random sample of that many per run. No other column of any table depends on it.
+        forks: that live at once, beside the run; None for one per core that is free, at least one.
         trace: looks on, for example an `aeb_sumo.trace.Trace`.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
@@ -121,7 +123,7 @@ def run(
                 raise InputError(f"blockage {blockage:g} s is longer than SUMO's time-to-teleport of {limit:g} s")
             stand = min(_BLOCKAGE, limit) if blockage is None else blockage
             carried.check_kinds(session.vehicle_types)
-            one = _Run(session, scenario, carried, stand, interval, trace, choice)
+            one = _Run(session, scenario, carried, stand, interval, trace, choice, forks)
             try:
                 return one.simulate(span, progress, stop)
             finally:
@@ -140,13 +142,16 @@ class _Run:
         interval: float,
         trace: Recorder | None,
         choice: Choice,
+        forks: int | None,
     ) -> None:
         self._session, self._scenario, self._carried = session, scenario, carried
         self._blockage = blockage
         self._engine = engine = Engine(session, scenario, carried, blockage)
         self._conflicts = Conflicts(engine.traffic, engine.error, scenario.mu)
         self._verdicts = (
-            Verdicts(engine, self._conflicts, choice=choice, forks=Forks()) if choice.size and carried.systems else None
+            Verdicts(engine, self._conflicts, choice=choice, forks=Forks(forks))
+            if choice.size and carried.systems
+            else None
         )
         self._interventions = Interventions(judged=self._verdicts is not None)
         self._book = TrafficBook(engine.traffic, session.begin, interval)

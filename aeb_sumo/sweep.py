@@ -87,4 +87,6 @@ def _begin(stop: Event) -> None:
 
 
 def _run(scenario: Scenario, carried: Equipment, seed: int, duration: float | None, verdicts: str) -> Results:
-    return run(scenario, equip=carried, seed=seed, duration=duration, verdicts=verdicts, stop=_given_up[0].is_set)
+    # The cores are taken by runs: one fork beside each.
+    stop = _given_up[0].is_set
+    return run(scenario, equip=carried, seed=seed, duration=duration, verdicts=verdicts, forks=1, stop=stop)

@@ -1,33 +1,48 @@
 """The `aeb-sumo` command: one module per subcommand."""
 
 import sys
+from importlib import import_module
 
 import click
 
 import aeb_sumo
-from aeb_sumo.cli.calibrate import calibrate
-from aeb_sumo.cli.drivers import drivers
-from aeb_sumo.cli.intersection import intersection
-from aeb_sumo.cli.ncap import ncap
-from aeb_sumo.cli.replay import replay
-from aeb_sumo.cli.report import report
-from aeb_sumo.cli.reproduce import reproduce
-from aeb_sumo.cli.run import run
-from aeb_sumo.cli.sweep import sweep
-from aeb_sumo.cli.tables import compare, tables
 from aeb_sumo.errors import InputError
 
 __all__ = ["main"]
 
+_MODULES = {
+    "run": "run",
+    "compare": "tables",
+    "report": "report",
+    "replay": "replay",
+    "tables": "tables",
+    "sweep": "sweep",
+    "drivers": "drivers",
+    "calibrate": "calibrate",
+    "intersection": "intersection",
+    "reproduce": "reproduce",
+    "ncap": "ncap",
+}
+"""Subcommand -> module that has it."""
 
-@click.group()
+
+class _Commands(click.Group):
+    """Imports a subcommand when it is asked for: each needs other libraries, and all together take seconds."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        return list(_MODULES)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        if cmd_name not in _MODULES:
+            return None
+        command = getattr(import_module(f"{__name__}.{_MODULES[cmd_name]}"), cmd_name)
+        return command if isinstance(command, click.Command) else None
+
+
+@click.group(cls=_Commands)
 @click.version_option(aeb_sumo.__version__, prog_name="aeb-sumo")
 def cli() -> None:
     """What an automatic emergency brake (AEB) does to real traffic."""
-
-
-for command in (run, compare, report, replay, tables, sweep, drivers, calibrate, intersection, reproduce, ncap):
-    cli.add_command(command)
 
 
 def main() -> None:
@@ -42,7 +57,7 @@ def main() -> None:
     except click.UsageError as error:
         message = error.format_message()
         if error.ctx is not None and isinstance(error.ctx.command, click.Group) and "No such command" in message:
-            message += f" There are: {', '.join(error.ctx.command.commands)}."
+            message += f" There are: {', '.join(error.ctx.command.list_commands(error.ctx))}."
         _fail(message)
     except click.ClickException as error:
         _fail(error.format_message())
