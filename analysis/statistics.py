@@ -14,6 +14,7 @@ _EVEN = 0.75  # our assumption: effective by actual seeds, from which on they sh
 LOG_RATIO = "t by seed of the log ratio"
 POISSON = "score of two Poisson rates"
 _RESAMPLED = 4  # fewer seeds are too few to resample
+_FEWEST = 3  # seeds for an interval in percent, our assumption: with two it spans orders of magnitude
 _CAP = 2.0  # times the t quantile, our assumption: the choice by coverage and width, see `paired_interval`
 _DRAWS = 9999  # our assumption, see `_resamples`
 
@@ -74,8 +75,8 @@ def paired_interval(
         confidence: of the interval, 0 to 1.
 
     Returns:
-        The interval; pairs with a NaN do not count. Bounds are NaN with one seed, and where all seeds agree exactly,
-        so that nothing is known of their spread.
+        The interval; pairs with a NaN do not count. Bounds are NaN with one seed (of a percentage with two), and where
+        all seeds agree exactly, so that nothing is known of their spread.
 
     Raises:
         ValueError: arrays of different lengths, or a confidence outside 0..1.
@@ -169,8 +170,8 @@ def _percent(b: _Floats, wb: _Floats, a: _Floats, wa: _Floats, tail: float) -> I
         return unknown(np.nan, n, "nothing in the baseline")
     ratio = (a.sum() / wa.sum()) / (b.sum() / wb.sum())
     change = 100 * (ratio - 1)
-    if n == 1:
-        return unknown(change, n, "one seed has no spread")
+    if n < _FEWEST:
+        return unknown(change, n, "one seed has no spread" if n == 1 else "two seeds say nothing of a percentage")
     if ratio <= 0:
         return unknown(change, n, "nothing left of it")
     parts = np.stack([a, wb, b, wa])

@@ -29,7 +29,8 @@ def replay(folder: Path, event: str, run_id: str | None, before: float, after: f
     if out is not None and not out.parent.is_dir():
         raise InputError(f"no folder {out.parent} to write {out.name} into")
     found = find(folder, event, run_id)
-    target = folder / f"replay-{found.kind}-{found.number}.html" if out is None else out
+    name = "-".join(["replay", *([] if run_id is None else [run_id]), found.kind, str(found.number)])
+    target = folder / f"{name}.html" if out is None else out
     click.echo(f"simulating {found.run['run_id']} again, until {found.end + after:.0f} s", err=True)
     html = page(film(found, before=before, after=after))
     try:

@@ -19,11 +19,18 @@ def test_three_seeds_have_the_t_interval_of_their_differences():
 
 
 def test_percent_is_the_jackknife_of_the_log_ratio():
-    """Without the first seed the ratio is 1, without the second 1/2."""
+    """Without the first seed the ratio is 1, without one of the others 5/6."""
+    found = analysis.paired_interval([10, 20, 20], [5, 20, 20], percent=True)
+    factor = np.exp(4.3026527 * np.log(6 / 5) * 2 / 3)
+    assert found.estimate == pytest.approx(-10)
+    assert (found.low, found.high) == pytest.approx((90 / factor - 100, 90 * factor - 100), rel=1e-6)
+
+
+def test_two_seeds_say_nothing_of_a_percentage():
     found = analysis.paired_interval([10, 20], [5, 20], percent=True)
-    factor = np.exp(12.706205 * np.log(2) / 2)
     assert found.estimate == pytest.approx(-100 / 6)
-    assert (found.low, found.high) == pytest.approx((500 / 6 / factor - 100, 500 / 6 * factor - 100), rel=1e-6)
+    assert np.isnan([found.low, found.high]).all()
+    assert found.note == "two seeds say nothing of a percentage"
 
 
 def test_the_bootstrap_draws_from_all_resamples():
@@ -96,8 +103,8 @@ def test_intervals_say_where_they_may_be_too_narrow():
         assert note == "most of it in few seeds: may be too narrow"
 
 
-def test_extreme_ratios_of_two_seeds_do_not_overflow():
-    found = analysis.paired_interval([1, 1e9], [1e9, 1], percent=True, confidence=0.999)
+def test_extreme_ratios_do_not_overflow():
+    found = analysis.paired_interval([1, 1e9, 1], [1e9, 1, 1e9], percent=True, confidence=0.99999)
     assert (found.low, found.high) == (-100.0, np.inf)
 
 
