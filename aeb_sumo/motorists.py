@@ -67,6 +67,7 @@ class Motorists:
         away: per slot, his eyes are off the road.
         attentive: per slot, a warning keeps his eyes on the road.
         noticed: who noticed a threat in the last step.
+        braked: slots of vehicles whose AEB braked in the last step.
         heeded: slots of drivers who do, from this step on, something else because of a warning; it may name others.
     """
 
@@ -84,7 +85,7 @@ class Motorists:
         self._held: Floats = np.zeros(0)
         self.noticed: list[Notice] = []
         self.heeded: set[int] = set()
-        self._braked: set[int] = set()
+        self.braked: set[int] = set()
         self._wrecked: Bools = np.zeros(0, np.bool_)
 
     def depart(self, slot: int, vehicle: str, time: float) -> None:
@@ -148,7 +149,7 @@ class Motorists:
         t = self._traffic
         self._fit()
         self.noticed, self.heeded = [], set()
-        self._braked = set(np.flatnonzero(aeb > 0).tolist())
+        self.braked = set(np.flatnonzero(aeb > 0).tolist())
         self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
         self._heed(time)
@@ -226,7 +227,7 @@ class Motorists:
         for slot, ahead in zip(rows[hard].tolist(), lead[hard].tolist(), strict=True):
             if slot not in self._reacting and not (self.away[slot] or wrecked[slot]) and self._same_way(slot, ahead):
                 # With his eyes on the road he does not speed up any more; the braking of his AEB is not his own.
-                held = 0.0 if slot in self._braked else min(float(t.accel[slot]), 0.0)
+                held = 0.0 if slot in self.braked else min(float(t.accel[slot]), 0.0)
                 self._reacting[slot] = _Reacting(t.serial[ahead], False, held)
 
     def _react(self, time: float, wrecked: Bools) -> None:

@@ -100,7 +100,7 @@ class Conflicts:
     Attributes:
         rows: those that are over and came to matter.
         pairs: who met in the last step.
-        hard: (k,) in which of these encounters one braked as hard as in a near-crash.
+        hard: (k, 2) which of them braked as hard as in a near-crash: followers, and either one at crossings.
         ended: rows that the last step added without a crash.
     """
 
@@ -112,7 +112,7 @@ class Conflicts:
         self._errors: dict[int, list[str]] = {}
         nobody = np.zeros(0, np.bool_)
         self.pairs = following(traffic, Leads(traffic), nobody)
-        self.hard = nobody
+        self.hard = np.zeros((0, 2), np.bool_)
         self.ended: list[dict[str, Any]] = []
         self._open = _Open.of(self.pairs, 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_))
 
@@ -156,7 +156,7 @@ class Conflicts:
         o, slots = self._open, pairs.slots
         evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
         braking = np.where(evading, np.maximum(-t.accel[slots], 0.0), 0.0)
-        self.hard = np.where(pairs.key < 0, braking.max(1), braking[:, 0]) > self._evasive
+        self.hard = (braking > self._evasive) & np.array([[True, False], [True, True]])[(pairs.key < 0).astype(int)]
         self._note_worst(at, pairs)
         for smallest, value in ((o.min_gap, pairs.gap), (o.min_ttc, pairs.ttc), (o.min_ttc2, pairs.ttc2)):
             smallest[at] = np.minimum(smallest[at], value)

@@ -165,7 +165,12 @@ _WORLD: tuple[tuple[str, DType, str, str], ...] = (
     ("impact_speed_mps", "float64", "m/s", "impact speed of the hardest of these crashes; null without crash"),
     ("delta_v_mps", "float64", "m/s", "the larger change of velocity of the two in it"),
     ("serious_risk", "float64", "-", "risk that somebody is injured seriously in it; null where no curve applies"),
-    ("near_crash", "bool", "-", "no crash, but hard braking, as in `conflicts`, for one ahead or where paths cross"),
+    (
+        "near_crash",
+        "bool",
+        "-",
+        "no crash, but a driver (not an AEB) braked as in a near-crash (see `conflicts`)",
+    ),
     ("min_gap_m", "float64", "m", "smallest gap to one it closed in on or whose path it crossed; null for nobody"),
     ("pet_s", "float64", "s", "smallest post-encroachment time below 3 s of its crossings; null for none"),
     ("follower_decel_mps2", "float64", "m/s2", "largest deceleration of one who follows within 3 s"),

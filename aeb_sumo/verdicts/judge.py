@@ -35,8 +35,8 @@ class Outcome:
 
     Attributes:
         hits: crashes, in the order of time.
-        near_crash: the vehicle braked for somebody ahead as in a near-crash (table `conflicts`), or one of two whose
-            paths cross did.
+        near_crash: its driver braked for somebody ahead as in a near-crash (table `conflicts`), or one of two people
+            whose paths cross did; what an AEB brakes is no sign of danger and does not count.
         min_gap: smallest gap to whom it closed in on, or distance to whose path it crossed; inf for nobody [m].
         pet: smallest post-encroachment time of its crossings that were over; inf for none [s].
         follower_decel: largest deceleration of who followed close behind [m/s2].

@@ -52,7 +52,9 @@ class Witness:
         t, leads, pairs = self._engine.traffic, self._engine.leads, self._conflicts.pairs
         # An encounter with somebody behind is not the vehicle's to mend.
         own = (pairs.slots[:, 0] == slot) | ((pairs.slots[:, 1] == slot) & (pairs.key < 0))
-        self._near |= bool(self._conflicts.hard[own].any())
+        # Nor does a brake that an AEB applies show that there was danger: it is the drivers' that counts.
+        for slots, hard in zip(pairs.slots[own].tolist(), self._conflicts.hard[own].tolist(), strict=True):
+            self._near |= any(h and s not in self._engine.motorists.braked for s, h in zip(slots, hard, strict=True))
         self._gap = min(self._gap, float(pairs.gap[own].min(initial=np.inf)))
         # What stops a wreck is not its brake.
         behind = np.flatnonzero((leads.lead == slot) & t.here & ~self._engine.wrecks.wrecked)

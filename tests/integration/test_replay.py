@@ -235,7 +235,7 @@ def test_the_command_writes_one_file_and_bad_input_none(folder):
     good = command("crash:0", "--run", LATE)
     assert good.returncode == 0, good.stderr
     (made,) = set(folder.rglob("*")) - set(before)
-    assert made == folder / "replay-crash-0.html"
+    assert made == folder / f"replay-{LATE}-crash-0.html"
     assert made.read_text() == replay(folder, "crash:0", run_id=LATE)
     made.unlink()
 

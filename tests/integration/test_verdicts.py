@@ -3,6 +3,7 @@
 import os
 import signal
 from dataclasses import replace
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -159,17 +160,22 @@ def test_an_interrupted_run_leaves_its_open_verdicts_unknown():
     assert (found["verdict"] == "unknown").equals(found["verdict_reason"] != "")
 
 
+@pytest.fixture
 def nobody_is_left():
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
-    return True
+    """Afterwards there are no more child processes than before."""
+    before = children()
+    yield
+    assert children() <= before
 
 
-def test_who_loses_his_place_in_the_sample_leaves_no_fork_behind():
+def children():
+    return {one for task in Path("/proc/self/task").iterdir() for one in (task / "children").read_text().split()}
+
+
+def test_who_loses_his_place_in_the_sample_leaves_no_fork_behind(nobody_is_left):
     early = strategies.load("staged", {"warn_ttc": 6.0, "brake_ttc": 1.0})
     verdicts = run(scenarios.load("highway"), early, duration=40, verdicts="sample:1").interventions["verdict"]
     assert (verdicts != "").sum() == 1 < len(verdicts)
-    assert nobody_is_left()
 
 
 class Fails:
@@ -184,10 +190,9 @@ class Fails:
         self.braked = bool((self.world.fleet.decel > 0).any())
 
 
-def test_a_run_that_is_left_by_an_exception_leaves_no_fork_behind(on_track):
+def test_a_run_that_is_left_by_an_exception_leaves_no_fork_behind(nobody_is_left, on_track):
     with pytest.raises(ValueError, match=r"^\d"):
         judged(on_track(approach(40, 0, 50)), trace=Fails())
-    assert nobody_is_left()
 
 
 def test_a_window_that_nobody_has_seen_to_its_end_gives_unknown(monkeypatch, on_track):
@@ -232,10 +237,12 @@ def test_an_intervention_after_a_pause_is_another_one_and_not_withheld(on_track)
 
 @pytest.mark.slow
 def test_an_absurd_threshold_is_mostly_unneeded_and_a_very_short_one_never():
+    """In a tenth of the cars: where all have the absurd one, its braking is a danger to those behind."""
     absurd, short = (
-        judged(scenarios.load("highway"), threshold(ttc), sensing="ideal", duration=100, seed=2) for ttc in (6.0, 0.3)
+        judged(scenarios.load("highway"), threshold(ttc), sensing="ideal", penetration=0.1, duration=200, seed=2)
+        for ttc in (6.0, 0.3)
     )
     counts = absurd["verdict"].value_counts()
-    assert counts.sum() > 50
+    assert counts.sum() > 20
     assert counts["unneeded"] > 0.5 * counts.sum()
     assert "unneeded" not in set(short["verdict"])
