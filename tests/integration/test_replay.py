@@ -210,7 +210,7 @@ def test_a_run_that_comes_out_otherwise_is_refused_with_both_versions(folder):
 def test_at_an_intersection_every_verdict_is_that_of_its_replay(tmp_path):
     write(run(scenarios.load("w0"), "zhao2025", seed=1, duration=105.0, verdicts="all"), tmp_path)
     rows = read(tmp_path).interventions
-    assert {"avoided", "precautionary", "unneeded"} <= set(rows["verdict"])
+    assert {"avoided", "unneeded"} <= set(rows["verdict"])
     for number in rows.groupby("verdict")["intervention_id"].first():
         take = film(find(tmp_path, f"intervention:{number}"))
         row, hardest = take.event.row, take.other.outcome.hardest
