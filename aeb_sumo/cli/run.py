@@ -111,7 +111,7 @@ def run(
         data = analysis.Dataset.of(Results.joined(done))
         print_summary(analysis.summary(data), chosen.name)
         if compare and len(done) == 2:
-            print_pairs(analysis.pair_counts(data), "what became of the crashes of the baseline")
+            _print_pairs(data)
         if with_ceilings and len(done[0].tables["ceilings"]):
             print_frame(analysis.ceiling_shares(analysis.Dataset.of(done[0])), "crashes of the baseline avoided by")
         if folder is not None:
@@ -131,6 +131,14 @@ def _check(carried: Equipment, *, compare: bool, with_ceilings: bool) -> None:
         raise InputError("--compare needs a --strategy other than none, which is what it compares with")
     if with_ceilings and carried.systems and not compare:
         raise InputError("--ceilings are those of the baseline: give --strategy none, or --compare")
+
+
+def _print_pairs(data: analysis.Dataset) -> None:
+    """What became of the crashes of the baseline, if both runs lasted as long."""
+    try:
+        print_pairs(analysis.pair_counts(data), "what became of the crashes of the baseline")
+    except InputError as error:
+        click.echo(f"aeb-sumo: note: the two runs are no pair: {error}", err=True)
 
 
 def _scenario(name: str | None, sumocfg: Path | None) -> scenarios.Scenario:

@@ -203,3 +203,15 @@ def test_compare_prints_the_price_or_says_why_there_is_none(tmp_path):
     assert "has no pairs of runs" in different.stderr
     assert "seed 2" in different.stderr
     assert same.exit_code == different.exit_code == 0
+
+
+def test_a_run_beside_a_baseline_that_lasted_otherwise_is_no_error(capsys):
+    """As after Ctrl-C, or where a run ends when all have arrived."""
+    from aeb_sumo.cli.run import _print_pairs
+
+    runs = [
+        {"run_id": name, "scenario": "s", "strategy": name, "seed": 1, "begin_s": 0.0, "end_s": end}
+        for name, end in (("none", 60.0), ("zhao2025", 50.0))
+    ]
+    _print_pairs(analysis.Dataset.of(Results.of({"runs": runs})))
+    assert "the two runs are no pair: no run of 'none'" in capsys.readouterr().err
