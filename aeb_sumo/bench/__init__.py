@@ -1,0 +1,108 @@
+"""What the platform costs on top of SUMO: the same world stepped bare and with every car equipped, in turn."""
+
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import ceil
+from pathlib import Path
+
+from aeb_sumo.bench.copies import side_by_side
+from aeb_sumo.bench.machine import machine
+from aeb_sumo.bench.measure import Measured, Stretch, measure_bare, measure_equipped, warm
+from aeb_sumo.bench.process import in_fresh_process
+from aeb_sumo.bench.table import Line, Side, Spread
+from aeb_sumo.scenarios import Scenario
+
+__all__ = ["COPIED", "LARGEST", "Line", "Measured", "Plan", "Side", "Spread", "bench", "machine"]
+
+COPIED = "highway"
+"""The scenario of which there are as many copies as a fleet needs."""
+
+LARGEST = 100_000
+"""Vehicles at most."""
+
+PER_COPY = 250
+"""Vehicles on one copy at most."""
+
+_FREE_FLOW = 205.0  # vehicles on the road at demand 1 if nobody queued; measured
+_DEMAND = 1.1  # at most; with more of it the queue grows without end, with this about 250 are on the road; measured
+_FULL = 300.0  # s until the road is full to its end
+_PATIENCE = 1800.0  # s, our assumption
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """What is measured.
+
+    Attributes:
+        scenario: what is simulated.
+        vehicles: sizes of the fleet, for `COPIED`; (None,) for what is present at `begin`.
+        strategies: names.
+        step_lengths: [s]; None for the scenario's.
+        steps: that are timed.
+        repeat: how often each is measured, bare and equipped.
+        begin: simulated time since the scenario's begin from which on worlds are measured, if it says no vehicles [s].
+    """
+
+    scenario: Scenario
+    vehicles: Sequence[int | None] = (None,)
+    strategies: Sequence[str] = ("zhao2025",)
+    step_lengths: Sequence[float | None] = (None,)
+    steps: int = 300
+    repeat: int = 3
+    begin: float = 300.0
+
+    @property
+    def processes(self) -> int:
+        """How many have to be run."""
+        return len(self.vehicles) * len(self.step_lengths) * (1 + 2 * self.repeat * len(self.strategies))
+
+
+def bench(plan: Plan, done: Callable[[], None] = lambda: None) -> Iterator[Line]:
+    """Measure, line by line.
+
+    Args:
+        plan: what.
+        done: called after every process.
+
+    Yields:
+        A line of the table.
+
+    Raises:
+        InputError: SUMO refuses the scenario, or as many vehicles are never present.
+    """
+    for vehicles in plan.vehicles:
+        for step_length in plan.step_lengths:
+            with tempfile.TemporaryDirectory(prefix="aeb-sumo-bench-") as name:
+                folder = Path(name)
+                stretch = _warmed(plan, folder, vehicles, step_length)
+                done()
+                for strategy in plan.strategies:
+                    bare, equipped = [], []
+                    for _ in range(plan.repeat):
+                        bare.append(in_fresh_process(folder, measure_bare, stretch))
+                        done()
+                        equipped.append(in_fresh_process(folder, measure_equipped, stretch, strategy))
+                        done()
+                    yield Line(
+                        scenario=plan.scenario.name,
+                        asked=vehicles,
+                        strategy=strategy,
+                        begin=stretch.begin,
+                        sumo=stretch.sumo,
+                        bare=Side(tuple(bare), stretch.step_length),
+                        equipped=Side(tuple(equipped), stretch.step_length),
+                    )
+
+
+def _warmed(plan: Plan, folder: Path, vehicles: int | None, step_length: float | None) -> Stretch:
+    scenario, limit, at = plan.scenario, None, plan.begin
+    if vehicles is not None:
+        copies = ceil(vehicles / PER_COPY)
+        demand = min(_DEMAND, vehicles / copies / _FREE_FLOW)
+        scenario = side_by_side(scenario, copies, folder).varied(demand=demand)
+        at, limit = _FULL, _PATIENCE
+    return in_fresh_process(
+        folder, warm, scenario, folder / "world.xml",
+        step_length=step_length, steps=plan.steps, at=at, vehicles=vehicles, limit=limit,
+    )  # fmt: skip
