@@ -3,13 +3,14 @@
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import ceil
 from pathlib import Path
 
 from aeb_sumo.bench.copies import side_by_side
 from aeb_sumo.bench.machine import machine
 from aeb_sumo.bench.measure import Measured, Stretch, measure_bare, measure_equipped, warm
-from aeb_sumo.bench.process import in_fresh_process
+from aeb_sumo.bench.process import in_fresh_processes, link
 from aeb_sumo.bench.table import Line, Side, Spread
 from aeb_sumo.scenarios import Scenario
 
@@ -40,7 +41,7 @@ class Plan:
         strategies: names.
         step_lengths: [s]; None for the scenario's.
         steps: that are timed.
-        repeat: how often each is measured, bare and equipped.
+        repeat: how often each is measured.
         begin: simulated time since the scenario's begin from which on worlds are measured, if it says no vehicles [s].
     """
 
@@ -53,9 +54,9 @@ class Plan:
     begin: float = 300.0
 
     @property
-    def processes(self) -> int:
-        """How many have to be run."""
-        return len(self.vehicles) * len(self.step_lengths) * (1 + 2 * self.repeat * len(self.strategies))
+    def parts(self) -> int:
+        """How often `bench` says that something is done."""
+        return len(self.vehicles) * len(self.step_lengths) * (1 + self.repeat * len(self.strategies))
 
 
 def bench(plan: Plan, done: Callable[[], None] = lambda: None) -> Iterator[Line]:
@@ -63,7 +64,7 @@ def bench(plan: Plan, done: Callable[[], None] = lambda: None) -> Iterator[Line]
 
     Args:
         plan: what.
-        done: called after every process.
+        done: called after every world that is warm and every measurement.
 
     Yields:
         A line of the table.
@@ -78,21 +79,27 @@ def bench(plan: Plan, done: Callable[[], None] = lambda: None) -> Iterator[Line]
                 stretch = _warmed(plan, folder, vehicles, step_length)
                 done()
                 for strategy in plan.strategies:
-                    bare, equipped = [], []
+                    pairs = []
                     for _ in range(plan.repeat):
-                        bare.append(in_fresh_process(folder, measure_bare, stretch))
+                        pairs.append(_pair(folder, stretch, strategy))
                         done()
-                        equipped.append(in_fresh_process(folder, measure_equipped, stretch, strategy))
-                        done()
+                    bare, equipped = zip(*pairs, strict=True)
                     yield Line(
                         scenario=plan.scenario.name,
                         asked=vehicles,
                         strategy=strategy,
                         begin=stretch.begin,
                         sumo=stretch.sumo,
-                        bare=Side(tuple(bare), stretch.step_length),
-                        equipped=Side(tuple(equipped), stretch.step_length),
+                        bare=Side(bare, stretch.step_length),
+                        equipped=Side(equipped, stretch.step_length),
                     )
+
+
+def _pair(folder: Path, stretch: Stretch, strategy: str) -> list[Measured]:
+    """Bare and equipped, in two processes that take turns."""
+    links = one, other = link()
+    tasks = [partial(measure_bare, stretch, one), partial(measure_equipped, stretch, strategy, other)]
+    return in_fresh_processes(folder, tasks, links)
 
 
 def _warmed(plan: Plan, folder: Path, vehicles: int | None, step_length: float | None) -> Stretch:
@@ -102,7 +109,9 @@ def _warmed(plan: Plan, folder: Path, vehicles: int | None, step_length: float |
         demand = min(_DEMAND, vehicles / copies / _FREE_FLOW)
         scenario = side_by_side(scenario, copies, folder).varied(demand=demand)
         at, limit = _FULL, _PATIENCE
-    return in_fresh_process(
-        folder, warm, scenario, folder / "world.xml",
+    warming = partial(
+        warm, scenario, folder / "world.xml",
         step_length=step_length, steps=plan.steps, at=at, vehicles=vehicles, limit=limit,
     )  # fmt: skip
+    (stretch,) = in_fresh_processes(folder, [warming])
+    return stretch

@@ -1,7 +1,12 @@
-"""The measurements, each to be made in a process of its own: a world is warmed once, then stepped bare and equipped."""
+"""The measurements, each to be made in a process of its own: a world is warmed once, then stepped bare and equipped.
+
+The two take turns of a few steps, so that what else the machine does meanwhile hits both alike.
+"""
 
 import tempfile
+from collections.abc import Generator
 from dataclasses import dataclass, replace
+from multiprocessing.connection import Connection
 from pathlib import Path
 from time import process_time
 
@@ -15,6 +20,9 @@ __all__ = ["Measured", "Stretch", "measure_bare", "measure_equipped", "warm"]
 
 SETTLING = 10.0
 """Simulated between loading a world and the timed steps [s], our assumption: sensors then know what is around."""
+
+_TURN = 100  # timed steps; the shorter, the more alike is what else the machine does meanwhile
+_WAKING = 5  # steps before them: after a pause, the first ones wait for the processor's caches, which a run does not
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +47,12 @@ class Stretch:
     def settling(self) -> int:
         """Steps that are simulated and not timed."""
         return max(1, round(SETTLING / self.step_length))
+
+    @property
+    def turns(self) -> list[int]:
+        """Timed steps of each turn, before the other process goes on."""
+        whole, rest = divmod(self.steps, _TURN)
+        return [_TURN] * whole + [rest] * (rest > 0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,49 +113,79 @@ def warm(
     return Stretch(scenario=replace(scenario, options=loaded), begin=begin, step_length=dt, steps=steps, sumo=version)
 
 
-def measure_bare(stretch: Stretch) -> Measured:
-    """Step SUMO by itself: the same options and seed, nothing read, nothing commanded."""
+def measure_bare(stretch: Stretch, other: Connection) -> Measured:
+    """Step SUMO by itself: the same options and seed, nothing read, nothing commanded.
+
+    Args:
+        stretch: what is stepped.
+        other: the end of a link to `measure_equipped`, with which it takes turns.
+    """
+    spent, vehicle_steps = 0.0, 0
     with tempfile.TemporaryDirectory() as nowhere:
         options = start_options(stretch.scenario, Path(nowhere), step_length=stretch.step_length)
         with Session(options):
             bare.timed_steps(stretch.settling)
-            cpu, vehicle_steps = bare.timed_steps(stretch.steps)
-    return Measured(cpu=cpu, steps=stretch.steps, vehicle_steps=vehicle_steps, memory=_peak_memory())
+            for turn in stretch.turns:
+                other.recv()
+                bare.timed_steps(_WAKING)
+                cpu, vehicles = bare.timed_steps(turn)
+                other.send(None)
+                spent, vehicle_steps = spent + cpu, vehicle_steps + vehicles
+    return Measured(cpu=spent, steps=stretch.steps, vehicle_steps=vehicle_steps, memory=_peak_memory())
 
 
-def measure_equipped(stretch: Stretch, strategy: str) -> Measured:
+def measure_equipped(stretch: Stretch, strategy: str, other: Connection) -> Measured:
     """The same as an ordinary run, with the AEB in every car and all books kept.
+
+    Args:
+        stretch: what is stepped.
+        strategy: the AEB, by name.
+        other: the end of a link to `measure_bare`, with which it takes turns.
 
     Raises:
         SumoError: SUMO gave up.
     """
     # Here, for the memory of what is stepped bare shall not hold it.
-    from aeb_sumo.simulate import Progress, run  # noqa: PLC0415
+    from aeb_sumo.simulate import run  # noqa: PLC0415
 
-    marks: list[float] = []
-    present: list[int] = []
-
-    def note(step: Progress) -> None:
-        present.append(step.vehicles)
-        if len(present) in (stretch.settling, stretch.settling + stretch.steps):
-            marks.append(process_time())
-
+    timed = _Timed()
+    clock = _clock(stretch, other, timed)
+    next(clock)
     results = run(
         stretch.scenario,
         strategy,
         step_length=stretch.step_length,
-        duration=(stretch.settling + stretch.steps) * stretch.step_length,
-        progress=note,
+        duration=(stretch.settling + sum(_WAKING + turn for turn in stretch.turns)) * stretch.step_length,
+        progress=lambda step: clock.send(step.vehicles),
     )
     outcome, reason = results.runs[["outcome", "reason"]].iloc[0]
     if outcome != "completed":
         raise InputError(f"the run with {strategy} {outcome}: {reason}")
-    return Measured(
-        cpu=marks[1] - marks[0],
-        steps=stretch.steps,
-        vehicle_steps=sum(present[stretch.settling :]),
-        memory=_peak_memory(),
-    )
+    return Measured(cpu=timed.cpu, steps=stretch.steps, vehicle_steps=timed.vehicle_steps, memory=_peak_memory())
+
+
+@dataclass
+class _Timed:
+    """CPU time of the timed steps [s], and the vehicles present after each, summed up."""
+
+    cpu: float = 0.0
+    vehicle_steps: int = 0
+
+
+def _clock(stretch: Stretch, other: Connection, timed: _Timed) -> Generator[None, int, None]:
+    """Is told of every step of a run how many vehicles are present; lets the other process go in between."""
+    for _ in range(stretch.settling):
+        yield
+    for turn in stretch.turns:
+        other.send(None)
+        other.recv()
+        for _ in range(_WAKING):
+            yield
+        begin = process_time()
+        for _ in range(turn):
+            timed.vehicle_steps += yield
+        timed.cpu += process_time() - begin
+    yield
 
 
 def _peak_memory() -> int:

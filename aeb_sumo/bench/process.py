@@ -1,71 +1,100 @@
-"""A function in a process of its own, which nobody else's memory, caches or simulation can touch."""
+"""Functions in processes of their own, which nobody else's memory or simulation can touch."""
 
 import os
 import signal
 import tempfile
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from multiprocessing import get_context
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import Any, TypeVar
 
 from aeb_sumo.errors import InputError
 
-__all__ = ["in_fresh_process"]
+__all__ = ["in_fresh_processes", "link"]
 
-P = ParamSpec("P")
 T = TypeVar("T")
+_CONTEXT = get_context("spawn")
 
 
-def in_fresh_process(folder: Path, function: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-    """What a function returns that is called in a new process; the process is gone when this returns or raises.
+def link() -> tuple[Connection, Connection]:
+    """Two ends for two processes to talk to each other; one that finds the other gone gets an `EOFError` or `OSError`.
+
+    `in_fresh_processes` closes them on this side.
+    """
+    return _CONTEXT.Pipe()
+
+
+def in_fresh_processes(folder: Path, tasks: Sequence[Callable[[], T]], links: Sequence[Connection] = ()) -> list[T]:
+    """What tasks return, each of which is called in a new process, all at a time; these are gone when this ends.
 
     Args:
-        folder: for the temporary files of the process.
-        function: of a module, not nested; what it is given and returns can be pickled.
-        args: for it.
-        kwargs: for it.
+        folder: for the temporary files of the processes.
+        tasks: can be pickled, and what they return, too.
+        links: that they hold.
 
     Raises:
-        InputError: the function raised one, or its process was killed.
+        InputError: a task raised one, or its process was killed.
         RuntimeError: it raised anything else.
     """
-    context = get_context("spawn")
-    receiver, sender = context.Pipe(duplex=False)
-    child = context.Process(target=_answer, args=(sender, folder, function, args, kwargs), daemon=True)
-    # Ctrl-C goes to all processes of the terminal. Blocked, it never reaches the child; the parent decides.
+    started: dict[Connection, BaseProcess] = {}
+    try:
+        for task in tasks:
+            receiver, sender = _CONTEXT.Pipe(duplex=False)
+            started[receiver] = _start(sender, folder, task)
+        for end in links:
+            end.close()  # so that a process notices when the other is gone
+        answers: dict[Connection, T] = {}
+        while len(answers) < len(started):
+            for one in wait([receiver for receiver in started if receiver not in answers]):
+                assert isinstance(one, Connection)  # noqa: S101 - nothing else was waited for
+                answers[one] = _answer_of(one, started[one])
+        return [answers[receiver] for receiver in started]
+    finally:
+        for receiver, process in started.items():
+            process.kill()
+            process.join()
+            receiver.close()
+
+
+def _start(sender: Connection, folder: Path, task: Callable[[], Any]) -> BaseProcess:
+    process = _CONTEXT.Process(target=_answer, args=(sender, folder, task), daemon=True)
+    # Ctrl-C goes to all processes of the terminal. Blocked, it never reaches this one; its parent decides.
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        child.start()
+        process.start()
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
     sender.close()
+    return process
+
+
+def _answer_of(receiver: Connection, process: BaseProcess) -> Any:
     try:
         kind, value = receiver.recv()
     except EOFError:
-        child.join()
-        raise InputError(f"a measuring process ended early, with exit code {child.exitcode}") from None
-    finally:
-        child.kill()
-        child.join()
-        receiver.close()
+        process.join()
+        raise InputError(f"a measuring process ended early, with exit code {process.exitcode}") from None
     if kind == "returned":
-        return value  # type: ignore[no-any-return]
+        return value
     raise InputError(value) if kind == "refused" else RuntimeError(value)
 
 
-def _answer(
-    sender: Connection, folder: Path, function: Callable[..., T], args: tuple[object, ...], kwargs: dict[str, object]
-) -> None:
+def _answer(sender: Connection, folder: Path, task: Callable[[], Any]) -> None:
+    """The life of a process."""
     tempfile.tempdir = str(folder)
     with Path(os.devnull).open("wb") as nowhere:  # what SUMO warns of would tear the progress bar
         for stream in (1, 2):
             os.dup2(nowhere.fileno(), stream)
     try:
-        answer: tuple[str, object] = "returned", function(*args, **kwargs)
+        answer = "returned", task()
     except InputError as error:
         answer = "refused", str(error)
-    except Exception:  # told to the parent, whole
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        signal.pause()  # the other one is gone, whose answer says why; the parent ends this one
+        return
+    except Exception:
         answer = "failed", traceback.format_exc()
     sender.send(answer)

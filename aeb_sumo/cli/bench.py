@@ -72,7 +72,7 @@ def bench(
         raise InputError(f"--json {json_file}: there is no folder {json_file.parent}")
     terminal = console(_WIDTH)
     with Progress(console=terminal, disable=not terminal.is_terminal or quiet, transient=True) as bar:
-        task = bar.add_task(chosen.name, total=plan.processes)
+        task = bar.add_task(chosen.name, total=plan.parts)
         lines = list(measure(plan, done=lambda: bar.advance(task)))
     about = machine(lines[0].sumo)
     if json_file is not None:
