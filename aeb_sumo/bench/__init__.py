@@ -8,13 +8,14 @@ from math import ceil
 from pathlib import Path
 
 from aeb_sumo.bench.copies import side_by_side
-from aeb_sumo.bench.machine import machine
+from aeb_sumo.bench.machine import load, machine
 from aeb_sumo.bench.measure import Measured, Stretch, measure_bare, measure_equipped, warm
 from aeb_sumo.bench.process import in_fresh_processes, link
 from aeb_sumo.bench.table import Line, Side, Spread
+from aeb_sumo.errors import InputError
 from aeb_sumo.scenarios import Scenario
 
-__all__ = ["COPIED", "LARGEST", "Line", "Measured", "Plan", "Side", "Spread", "bench", "machine"]
+__all__ = ["COPIED", "LARGEST", "Line", "Measured", "Plan", "Side", "Spread", "bench", "load", "machine"]
 
 COPIED = "highway"
 """The scenario of which there are as many copies as a fleet needs."""
@@ -99,7 +100,12 @@ def _pair(folder: Path, stretch: Stretch, strategy: str) -> list[Measured]:
     """Bare and equipped, in two processes that take turns."""
     links = one, other = link()
     tasks = [partial(measure_bare, stretch, one), partial(measure_equipped, stretch, strategy, other)]
-    return in_fresh_processes(folder, tasks, links)
+    pair = in_fresh_processes(folder, tasks, links)
+    if not all(measured.vehicle_steps for measured in pair):
+        raise InputError(
+            f"no vehicle is present in {stretch.scenario.name} while it is measured; choose another --from"
+        )
+    return pair
 
 
 def _warmed(plan: Plan, folder: Path, vehicles: int | None, step_length: float | None) -> Stretch:

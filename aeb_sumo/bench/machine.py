@@ -1,24 +1,31 @@
 """What a measurement was made on."""
 
 import platform
-from os import cpu_count, sched_getaffinity
+from os import cpu_count, getloadavg, sched_getaffinity
 from pathlib import Path
 
 import aeb_sumo
 
-__all__ = ["machine"]
+__all__ = ["load", "machine"]
 
 
-def machine(sumo: str) -> dict[str, str | int]:
+def load() -> float:
+    """Processes that ran or waited for a core, on average over the last minute."""
+    return getloadavg()[0]
+
+
+def machine(sumo: str, busy: float) -> dict[str, str | int | float]:
     """The processor, how many cores of it this process may use, and the versions of what ran there.
 
     Args:
         sumo: version of SUMO.
+        busy: the load before anything was measured.
     """
     return {
         "cpu": _processor(),
         "cores": cpu_count() or 1,
         "cores_usable": len(sched_getaffinity(0)),
+        "load_before": round(busy, 2),
         "system": f"{platform.system()} {platform.release()}",
         "python": platform.python_version(),
         "sumo": sumo.removeprefix("SUMO "),

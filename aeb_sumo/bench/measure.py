@@ -109,7 +109,7 @@ def warm(
             raise InputError(f"no vehicle is present in {scenario.name} at {session.time:g} s; choose another --from")
         bare.save(state.name)
         begin, dt, version = session.time, session.dt, session.version
-    loaded = (*scenario.options, "--begin", f"{begin:g}", "--load-state", str(state))
+    loaded = (*scenario.options, "--begin", f"{begin}", "--load-state", str(state))
     return Stretch(scenario=replace(scenario, options=loaded), begin=begin, step_length=dt, steps=steps, sumo=version)
 
 

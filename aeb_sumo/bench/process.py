@@ -4,7 +4,7 @@ import os
 import signal
 import tempfile
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -20,9 +20,9 @@ _CONTEXT = get_context("spawn")
 
 
 def link() -> tuple[Connection, Connection]:
-    """Two ends for two processes to talk to each other; one that finds the other gone gets an `EOFError` or `OSError`.
+    """Two ends for two processes to talk to each other; `in_fresh_processes` closes them on this side.
 
-    `in_fresh_processes` closes them on this side.
+    Who finds the other gone gets an `EOFError` or a `ConnectionError`.
     """
     return _CONTEXT.Pipe()
 
@@ -46,12 +46,13 @@ def in_fresh_processes(folder: Path, tasks: Sequence[Callable[[], T]], links: Se
             started[receiver] = _start(sender, folder, task)
         for end in links:
             end.close()  # so that a process notices when the other is gone
-        answers: dict[Connection, T] = {}
-        while len(answers) < len(started):
-            for one in wait([receiver for receiver in started if receiver not in answers]):
-                assert isinstance(one, Connection)  # noqa: S101 - nothing else was waited for
-                answers[one] = _answer_of(one, started[one])
-        return [answers[receiver] for receiver in started]
+        answers: dict[Connection, tuple[str, Any]] = {}
+        while waiting := [receiver for receiver in started if receiver not in answers]:
+            ready = wait(waiting)
+            answers |= {one: _answer_of(one, started[one]) for one in waiting if one in ready}
+            _check(answers.values(), ("refused", "failed"))
+        _check(answers.values(), ("lost",))
+        return [answers[receiver][1] for receiver in started]
     finally:
         for receiver, process in started.items():
             process.kill()
@@ -71,15 +72,19 @@ def _start(sender: Connection, folder: Path, task: Callable[[], Any]) -> BasePro
     return process
 
 
-def _answer_of(receiver: Connection, process: BaseProcess) -> Any:
+def _answer_of(receiver: Connection, process: BaseProcess) -> tuple[str, Any]:
     try:
-        kind, value = receiver.recv()
+        answer: tuple[str, Any] = receiver.recv()
     except EOFError:
         process.join()
-        raise InputError(f"a measuring process ended early, with exit code {process.exitcode}") from None
-    if kind == "returned":
-        return value
-    raise InputError(value) if kind == "refused" else RuntimeError(value)
+        return "refused", f"a measuring process ended early, with exit code {process.exitcode}"
+    return answer
+
+
+def _check(answers: Iterable[tuple[str, Any]], errors: Sequence[str]) -> None:
+    for kind, value in answers:
+        if kind in errors:
+            raise InputError(value) if kind == "refused" else RuntimeError(value)
 
 
 def _answer(sender: Connection, folder: Path, task: Callable[[], Any]) -> None:
@@ -89,12 +94,11 @@ def _answer(sender: Connection, folder: Path, task: Callable[[], Any]) -> None:
         for stream in (1, 2):
             os.dup2(nowhere.fileno(), stream)
     try:
-        answer = "returned", task()
+        answer: tuple[str, Any] = "returned", task()
     except InputError as error:
         answer = "refused", str(error)
-    except (EOFError, BrokenPipeError, ConnectionResetError):
-        signal.pause()  # the other one is gone, whose answer says why; the parent ends this one
-        return
-    except Exception:
-        answer = "failed", traceback.format_exc()
+    except Exception as error:
+        # Who finds the other end of a link gone is not to blame; the answer of the other says more.
+        lost = isinstance(error, EOFError | ConnectionError)
+        answer = "lost" if lost else "failed", traceback.format_exc()
     sender.send(answer)
