@@ -18,7 +18,7 @@ from aeb_sumo.errors import InputError
 __all__ = ["bench"]
 
 _WIDTH = 120  # of the table where there is no terminal to ask
-_BEGIN = 300.0
+_BEGIN = Plan.begin
 _BUSY = 0.5  # processes; a machine with nothing else to do has fewer
 
 
@@ -121,7 +121,7 @@ def _seconds(text: str) -> float:
 
 def _table(lines: list[Line], plan: Plan) -> Table:
     table = Table(
-        title=f"{plan.scenario.name}: CPU time of {plan.steps} steps, SUMO bare / with an AEB in every car, "
+        title=f"{Path(plan.scenario.name).name}: CPU time of {plan.steps} steps, SUMO bare / with an AEB in every car, "
         f"median of {plan.repeat}",
         title_justify="left",
     )
