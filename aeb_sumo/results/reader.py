@@ -1,0 +1,117 @@
+"""Reads tables of a folder of runs: some columns, some rows, of some runs, without touching the rest."""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.dataset as ds
+import pyarrow.fs as pafs
+
+from aeb_sumo.errors import InputError
+from aeb_sumo.results.filters import Filters, chosen, expression, table_of
+from aeb_sumo.results.place import Place
+from aeb_sumo.results.schema import SCHEMA_VERSION, TABLES
+
+__all__ = ["Stored"]
+
+_FORMAT = ds.ParquetFileFormat()
+
+
+@dataclass(frozen=True)
+class Stored:
+    """Runs on disk, or at a URL.
+
+    Attributes:
+        place: where.
+        run_ids: which, in the order in which they are read.
+    """
+
+    place: Place
+    run_ids: tuple[str, ...] = field(repr=False)
+
+    @classmethod
+    def of(cls, folder: "str | Path") -> "Stored":
+        """All runs of a local folder or a URL, in the order of their ids.
+
+        Raises:
+            InputError: there are none, or the folder cannot be listed.
+        """
+        place = Place.of(folder)
+        run_ids = place.runs_of("runs")
+        if not run_ids:
+            raise InputError(
+                f"no results in {place.name}: expected the folders {', '.join(TABLES)}, and in runs a file per run"
+            )
+        return cls(place, tuple(sorted(run_ids)))
+
+    def only(self, run_ids: Collection[str]) -> "Stored":
+        """Some of the runs."""
+        wanted = set(run_ids)
+        return Stored(self.place, tuple(run for run in self.run_ids if run in wanted))
+
+    def read(self, table: str, *, columns: Sequence[str] | None = None, filters: Filters | None = None) -> pa.Table:
+        """Rows of a table, run by run, in the order in which they were written.
+
+        Args:
+            table: its name in `TABLES`.
+            columns: that are read; None for all.
+            filters: which rows, see `aeb_sumo.results.filters`; None for all.
+
+        Raises:
+            InputError: there is no such table or column, a filter is none, or a file is missing, cannot be read or is
+                of another version.
+        """
+        schema = table_of(table).arrow()
+        names = chosen(table, columns)
+        rows = expression(table, filters)
+        if not self.run_ids:
+            return schema.empty_table().select(names)
+        files = self._files(table, schema)
+        try:
+            found = files.to_table(columns=names, filter=rows)
+        except (OSError, pa.ArrowException) as error:
+            self._check(files, table)
+            raise InputError(f"cannot read table {table} of {self.place.name}: {_line(error)}") from None
+        self._check(files, table)
+        return found.cast(pa.schema([schema.field(name) for name in names], metadata=schema.metadata))
+
+    def batches(
+        self, table: str, *, columns: Sequence[str] | None = None, filters: Filters | None = None, runs: int = 64
+    ) -> Iterator[pa.Table]:
+        """As `read`, of so many runs at a time."""
+        for first in range(0, len(self.run_ids), runs):
+            part = Stored(self.place, self.run_ids[first : first + runs])
+            yield part.read(table, columns=columns, filters=filters)
+
+    def _files(self, table: str, schema: pa.Schema) -> Any:
+        paths = [self.place.path(table, run) for run in self.run_ids]
+        return ds.FileSystemDataset.from_paths(paths, schema=schema, format=_FORMAT, filesystem=self._filesystem)
+
+    @cached_property
+    def _filesystem(self) -> Any:
+        if self.place.local is not None:
+            return pafs.LocalFileSystem()
+        return pafs.PyFileSystem(pafs.FSSpecHandler(self.place.fs))
+
+    def _check(self, files: Any, table: str) -> None:
+        """All files are of this version; once they have been read, their ends are known already."""
+        schema = table_of(table).arrow()
+        for file in files.get_fragments():
+            try:
+                there = file.physical_schema
+            except (OSError, pa.ArrowException) as error:
+                raise InputError(f"cannot read {file.path}: {_line(error)}") from None
+            version = (there.metadata or {}).get(b"schema_version", b"none").decode(errors="replace")
+            if version != str(SCHEMA_VERSION) or not there.equals(schema):
+                raise InputError(
+                    f"{file.path} has another schema than table {table!r} of this program: version {version} "
+                    f"instead of {SCHEMA_VERSION}, or other columns; make the results again, or read them with the "
+                    "aeb-sumo that made them"
+                )
+
+
+def _line(error: BaseException) -> str:
+    return " ".join(str(error).split())
