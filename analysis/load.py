@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pandas as pd
 import pyarrow as pa
@@ -67,8 +67,7 @@ class Dataset:
         """A table that has not been read."""
         if self._stored is None or name not in TABLES:
             raise AttributeError(f"{type(self).__name__!r} has no attribute {name!r}")
-        frame: pd.DataFrame = self._stored.read(name).to_pandas()
-        self.__dict__[name] = frame
+        frame = self.__dict__[name] = _frame(self._stored.read(name))
         return frame
 
     def read(self, table: str, columns: Sequence[str] | None = None, filters: Filters | None = None) -> pd.DataFrame:
@@ -85,14 +84,22 @@ class Dataset:
         """
         names, rows = chosen(table, columns), expression(table, filters)
         if self._stored is not None and table not in self.__dict__:
-            found: pd.DataFrame = self._stored.read(table, columns=columns, filters=filters).to_pandas()
-            return found
+            return _frame(self._stored.read(table, columns=columns, filters=filters))
         frame: pd.DataFrame = getattr(self, table)
         if rows is not None:
-            looked = pa.Table.from_pandas(frame[names_of(filters)], preserve_index=False)
+            schema = TABLES[table].arrow()
+            looked = pa.Table.from_pandas(
+                frame, pa.schema([schema.field(name) for name in names_of(filters)]), preserve_index=False
+            )
             where = looked.append_column("", pa.array(range(len(frame)), pa.int64())).filter(rows)[""]
             frame = frame.iloc[where.to_numpy()]
         return frame[names]
+
+    def count(self, table: str) -> int:
+        """Rows of a table, which is not read for it."""
+        if self._stored is not None and table not in self.__dict__:
+            return self._stored.count(table)
+        return len(self.read(table))
 
     def groups(self) -> pd.Series:
         """Group of every run, by run id: runs of one group differ in seed and time span alone.
@@ -144,7 +151,13 @@ def load(folder: str | Path, *, filters: Filters | None = None) -> Dataset:
         InputError: it holds no results, a filter is none or leaves no run, or a table cannot be read.
     """
     stored = Stored.of(folder)
-    runs = stored.read("runs", filters=filters).to_pandas()
+    runs = _frame(stored.read("runs", filters=filters))
     if runs.empty:
         raise InputError(f"no run in {folder} matches {filters!r}")
     return Dataset.of_stored(stored.only(runs["run_id"]), runs=runs)
+
+
+def _frame(table: Any) -> pd.DataFrame:
+    """An Arrow table that nobody else needs, column by column, so that it does not take its memory twice."""
+    frame: pd.DataFrame = table.to_pandas(split_blocks=True, self_destruct=True)
+    return frame

@@ -1,6 +1,7 @@
 """Reads tables of a folder of runs: some columns, some rows, of some runs, without touching the rest."""
 
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -70,21 +71,21 @@ class Stored:
         if not self.run_ids:
             return schema.empty_table().select(names)
         files = self._files(table, schema)
-        try:
+        with self._reporting(files, table):
             found = files.to_table(columns=names, filter=rows)
-        except (OSError, pa.ArrowException) as error:
-            self._check(files, table)
-            raise InputError(f"cannot read table {table} of {self.place.name}: {_line(error)}") from None
-        self._check(files, table)
         return found.cast(pa.schema([schema.field(name) for name in names], metadata=schema.metadata))
 
-    def batches(
-        self, table: str, *, columns: Sequence[str] | None = None, filters: Filters | None = None, runs: int = 64
-    ) -> Iterator[pa.Table]:
-        """As `read`, of so many runs at a time."""
-        for first in range(0, len(self.run_ids), runs):
-            part = Stored(self.place, self.run_ids[first : first + runs])
-            yield part.read(table, columns=columns, filters=filters)
+    def count(self, table: str) -> int:
+        """Rows of a table, which are not read for it.
+
+        Raises:
+            InputError: as `read`.
+        """
+        if not self.run_ids:
+            return 0
+        files = self._files(table, table_of(table).arrow())
+        with self._reporting(files, table):
+            return int(files.count_rows())
 
     def _files(self, table: str, schema: pa.Schema) -> Any:
         paths = [self.place.path(table, run) for run in self.run_ids]
@@ -96,8 +97,18 @@ class Stored:
             return pafs.LocalFileSystem()
         return pafs.PyFileSystem(pafs.FSSpecHandler(self.place.fs))
 
+    @contextmanager
+    def _reporting(self, files: Any, table: str) -> Iterator[None]:
+        """Look at the files' versions afterwards, when that costs nothing, and first if they cannot be read."""
+        try:
+            yield
+        except (OSError, pa.ArrowException) as error:
+            self._check(files, table)
+            raise InputError(f"cannot read table {table} of {self.place.name}: {_line(error)}") from None
+        self._check(files, table)
+
     def _check(self, files: Any, table: str) -> None:
-        """All files are of this version; once they have been read, their ends are known already."""
+        """All files are of this version."""
         schema = table_of(table).arrow()
         for file in files.get_fragments():
             try:
