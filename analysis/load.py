@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 import pandas as pd
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES, Results
@@ -31,6 +32,18 @@ _SETTINGS = (
 )
 
 
+def _frame(table: Any) -> pd.DataFrame:
+    """An Arrow table that nobody else needs, column by column, so that it does not take its memory twice."""
+    frame: pd.DataFrame = table.to_pandas(split_blocks=True, self_destruct=True)
+    return frame
+
+
+def _told_apart(runs: Any) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Runs that left something, and those that died, which an Arrow table holds."""
+    died = pc.and_(pc.fill_null(pc.equal(runs["outcome"], "failed"), False), pc.is_null(runs["end_s"]))
+    return _frame(runs.filter(pc.invert(died))), _frame(runs.filter(died))
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class Dataset:
     """The tables of one or more runs; columns, units and meanings as in `aeb_sumo.results.TABLES`.
@@ -39,6 +52,8 @@ class Dataset:
 
     Attributes:
         runs, crashes, interventions, conflicts, exposure, traffic, ceilings: DataFrames.
+        died: rows of `runs` of those that died or hung before they could write down anything; they are not in `runs`,
+            so that they are no runs without crashes.
     """
 
     runs: pd.DataFrame
@@ -49,12 +64,16 @@ class Dataset:
     traffic: pd.DataFrame
     ceilings: pd.DataFrame
 
+    died: ClassVar[pd.DataFrame] = _frame(TABLES["runs"].arrow().empty_table())
     _stored: ClassVar[Stored | None] = None  # where tables are that have not been read
 
     @classmethod
     def of(cls, results: Results) -> "Dataset":
         """From results in memory."""
-        return cls(**{f.name: results.frame(f.name) for f in fields(cls)})
+        runs, died = _told_apart(results.tables["runs"])
+        data = cls(runs=runs, **{f.name: results.frame(f.name) for f in fields(cls) if f.name != "runs"})
+        data.__dict__["died"] = died
+        return data
 
     @classmethod
     def of_stored(cls, stored: Stored, **tables: pd.DataFrame) -> "Dataset":
@@ -151,13 +170,9 @@ def load(folder: str | Path, *, filters: Filters | None = None) -> Dataset:
         InputError: it holds no results, a filter is none or leaves no run, or a table cannot be read.
     """
     stored = Stored.of(folder)
-    runs = _frame(stored.read("runs", filters=filters))
-    if runs.empty:
+    runs, died = _told_apart(stored.read("runs", filters=filters))
+    if runs.empty and died.empty:
         raise InputError(f"no run in {folder} matches {filters!r}")
-    return Dataset.of_stored(stored.only(runs["run_id"]), runs=runs)
-
-
-def _frame(table: Any) -> pd.DataFrame:
-    """An Arrow table that nobody else needs, column by column, so that it does not take its memory twice."""
-    frame: pd.DataFrame = table.to_pandas(split_blocks=True, self_destruct=True)
-    return frame
+    if runs.empty:
+        raise InputError(f"all {len(died)} runs in {folder} died: {', '.join(sorted(set(died['reason'])))}")
+    return Dataset.of_stored(stored.only(runs["run_id"]), runs=runs, died=died)

@@ -97,7 +97,7 @@ def commit_failure(out: str | Path, row: Mapping[str, Any]) -> None:
 
     Args:
         out: local folder or fsspec URL.
-        row: columns of `runs`, of which `run_id` must be there; `outcome` is `failed` if not said otherwise.
+        row: columns of `runs`, of which `run_id` must be there; the outcome is `failed`, and no time was reached.
 
     Raises:
         InputError: a column does not exist, a value is of another type, or it cannot be written.
@@ -108,7 +108,7 @@ def commit_failure(out: str | Path, row: Mapping[str, Any]) -> None:
     if "run_id" not in row:
         raise InputError("a row of runs needs its run_id")
     try:
-        results = Results.of({"runs": [{"outcome": "failed"} | dict(row)]})
+        results = Results.of({"runs": [dict(row) | {"outcome": "failed", "end_s": None}]})
     except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
         raise InputError(f"a row of runs has a value of another type: {error}") from None
     write(results, out)
