@@ -1,6 +1,7 @@
 """Reads tables of a folder of runs: some columns, some rows, of some runs, without touching the rest."""
 
 from collections.abc import Collection, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,6 +11,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.dataset as ds
 import pyarrow.fs as pafs
+import pyarrow.parquet as pq
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.results.filters import Filters, chosen, expression, table_of
@@ -18,7 +20,9 @@ from aeb_sumo.results.schema import SCHEMA_VERSION, TABLES
 
 __all__ = ["Stored"]
 
+_AT_ONCE = 16  # threads that wait for files, our assumption; far away it is the waiting that takes the time
 _FORMAT = ds.ParquetFileFormat()
+_FILES = 256  # at a time: what is known of a file that has been opened takes 0.2 MB
 
 
 @dataclass(frozen=True)
@@ -68,12 +72,30 @@ class Stored:
         schema = table_of(table).arrow()
         names = chosen(table, columns)
         rows = expression(table, filters)
-        if not self.run_ids:
-            return schema.empty_table().select(names)
-        files = self._files(table, schema)
-        with self._reporting(files, table):
-            found = files.to_table(columns=names, filter=rows)
-        return found.cast(pa.schema([schema.field(name) for name in names], metadata=schema.metadata))
+        parts = [schema.empty_table().select(names)]
+        if table == "runs":
+            runs = self._runs()
+            parts.append((runs if rows is None else runs.filter(rows)).select(names))
+        for files in self._files(table) if table != "runs" else ():
+            with self._reporting(files, table):
+                parts.append(files.to_table(columns=names, filter=rows))
+        return pa.concat_tables(parts).cast(pa.schema([schema.field(n) for n in names], metadata=schema.metadata))
+
+    def _runs(self) -> pa.Table:
+        """Table `runs`. Its files have a row each, and are read in half the time without the help of a data set."""
+        with ThreadPoolExecutor(_AT_ONCE) as pool:
+            parts = list(pool.map(self._run, self.run_ids))
+        return pa.concat_tables([TABLES["runs"].arrow().empty_table(), *parts]).combine_chunks()
+
+    def _run(self, run_id: str) -> pa.Table:
+        path = self.place.path("runs", run_id)
+        try:
+            with self._filesystem.open_input_file(path) as file:
+                row = pq.ParquetFile(file, pre_buffer=False).read(use_threads=False)
+        except (OSError, pa.ArrowException) as error:
+            raise InputError(f"cannot read {path}: {_line(error)}") from None
+        _check(row.schema, path, "runs")
+        return row
 
     def count(self, table: str) -> int:
         """Rows of a table, which are not read for it.
@@ -81,15 +103,18 @@ class Stored:
         Raises:
             InputError: as `read`.
         """
-        if not self.run_ids:
-            return 0
-        files = self._files(table, table_of(table).arrow())
-        with self._reporting(files, table):
-            return int(files.count_rows())
+        count = 0
+        for files in self._files(table):
+            with self._reporting(files, table):
+                count += files.count_rows()
+        return count
 
-    def _files(self, table: str, schema: pa.Schema) -> Any:
-        paths = [self.place.path(table, run) for run in self.run_ids]
-        return ds.FileSystemDataset.from_paths(paths, schema=schema, format=_FORMAT, filesystem=self._filesystem)
+    def _files(self, table: str) -> Iterator[Any]:
+        """Files of a table, some at a time."""
+        schema = table_of(table).arrow()
+        for first in range(0, len(self.run_ids), _FILES):
+            paths = [self.place.path(table, run) for run in self.run_ids[first : first + _FILES]]
+            yield ds.FileSystemDataset.from_paths(paths, schema=schema, format=_FORMAT, filesystem=self._filesystem)
 
     @cached_property
     def _filesystem(self) -> Any:
@@ -108,20 +133,22 @@ class Stored:
         self._check(files, table)
 
     def _check(self, files: Any, table: str) -> None:
-        """All files are of this version."""
-        schema = table_of(table).arrow()
         for file in files.get_fragments():
             try:
                 there = file.physical_schema
             except (OSError, pa.ArrowException) as error:
                 raise InputError(f"cannot read {file.path}: {_line(error)}") from None
-            version = (there.metadata or {}).get(b"schema_version", b"none").decode(errors="replace")
-            if version != str(SCHEMA_VERSION) or not there.equals(schema):
-                raise InputError(
-                    f"{file.path} has another schema than table {table!r} of this program: version {version} "
-                    f"instead of {SCHEMA_VERSION}, or other columns; make the results again, or read them with the "
-                    "aeb-sumo that made them"
-                )
+            _check(there, file.path, table)
+
+
+def _check(schema: pa.Schema, path: str, table: str) -> None:
+    """A file is of this version."""
+    version = (schema.metadata or {}).get(b"schema_version", b"none").decode(errors="replace")
+    if version != str(SCHEMA_VERSION) or not schema.equals(TABLES[table].arrow()):
+        raise InputError(
+            f"{path} has another schema than table {table!r} of this program: version {version} instead of "
+            f"{SCHEMA_VERSION}, or other columns; make the results again, or read them with the aeb-sumo that made them"
+        )
 
 
 def _line(error: BaseException) -> str:

@@ -5,6 +5,7 @@ pandas) and the empty string for names.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import pyarrow as pa
@@ -36,6 +37,10 @@ class Table:
 
     def arrow(self) -> pa.Schema:
         """Arrow schema, with unit and meaning as metadata of each field."""
+        return self._arrow
+
+    @cached_property
+    def _arrow(self) -> pa.Schema:
         types = {"string": pa.string(), "int64": pa.int64(), "float64": pa.float64(), "bool": pa.bool_()}
         return pa.schema(
             [pa.field(c.name, types[c.dtype], metadata={"unit": c.unit, "meaning": c.meaning}) for c in self.columns],
