@@ -53,7 +53,7 @@ class Place:
         """The path, if it is local."""
         if get_protocol(self.name) not in _LOCAL:
             return None
-        return Path(self.name.removeprefix("file://").removeprefix("local://")).absolute()
+        return Path(self.name.removeprefix("file://").removeprefix("local://"))
 
     @cached_property
     def _opened(self) -> tuple[Any, str]:
