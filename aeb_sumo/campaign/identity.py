@@ -124,4 +124,3 @@ def differences(one: Mapping[str, Any], two: Mapping[str, Any]) -> list[str]:
 def _short(value: Any) -> str:
     text = json.dumps(value) if isinstance(value, dict | list) else "none" if value is None else str(value) or "nothing"
     return text if len(text) <= 60 else text[:57] + "..."
-

@@ -128,7 +128,9 @@ def read(path: Path) -> Spec:
     for key in ("sensing", "penetration"):
         if key in factors and "strategy" not in factors:
             raise InputError(f"{path}: [factors] {key}: needs strategy; equip says its shares and sensors itself")
-    return Spec(path=path, factors=factors, parameters=_parameters(path, data.get("set", {})), common=_common(path, data))
+    return Spec(
+        path=path, factors=factors, parameters=_parameters(path, data.get("set", {})), common=_common(path, data)
+    )
 
 
 def _values(path: Path, key: str, value: Any) -> tuple[Any, ...]:

@@ -1,0 +1,156 @@
+"""`aeb-sumo campaign`."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+import click
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from aeb_sumo.campaign import manifest, runner
+from aeb_sumo.campaign.execute import Outcome
+from aeb_sumo.campaign.expansion import Job, expand
+from aeb_sumo.campaign.lock import is_url, locked
+from aeb_sumo.campaign.spec import read
+from aeb_sumo.errors import InputError
+
+__all__ = ["campaign", "cores"]
+
+_SHOWN = 10  # failed runs that are named at the end
+
+
+@click.command()
+@click.argument("spec", type=click.Path(path_type=Path))
+@click.option("--out", required=True, help="Folder for the tables, new or of this campaign; or a URL of fsspec.")
+@click.option("--dry-run", is_flag=True, help="List the runs that are missing, and do nothing.")
+@click.option("--workers", type=click.IntRange(1), help="Runs at a time. [default: one per core]")
+@click.option("--retry-failed", is_flag=True, help="Execute again what failed before.")
+@click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
+def campaign(spec: Path, out: str, dry_run: bool, workers: int | None, retry_failed: bool, quiet: bool) -> int:
+    """Execute all runs of SPEC that are not in the folder yet; start it again after any end.
+
+    SPEC is a TOML file: [factors] with scenario, strategy, seed and other options of `aeb-sumo run`, each a value or a
+    list; [run] with what all runs have in common; [set.SYSTEM] with parameters. A folder belongs to one campaign, to
+    which values may be added.
+    """
+    jobs = expand(read(spec))
+    manifest.check(out, jobs)
+    work = runner.split(jobs, out)
+    before = runner.failed(out, work.there)
+    if dry_run:
+        _list(work.missing, work.there, before)
+        return 0
+    _make(out)
+    if is_url(out):
+        click.echo(f"aeb-sumo: note: on this machine alone is {out} locked against a second campaign", err=True)
+    with locked(out), _interruptible():
+        manifest.check(out, jobs)
+        manifest.write(out, spec.stem, jobs)
+        if retry_failed:
+            runner.forget(out, [job for job in jobs if job.run_id in before])
+        work = runner.split(jobs, out)
+        before = runner.failed(out, work.there)
+        try:
+            with _local(workers) as executor, _progress(len(jobs), len(work.there), quiet) as done:
+                outcomes = runner.execute_all(work.missing, out, executor, done=done)
+        except KeyboardInterrupt:
+            click.echo(
+                "aeb-sumo: interrupted; finished runs are kept: the same command goes on with the rest", err=True
+            )
+            return 130
+    failed = before | {each.run_id: each.reason for each in outcomes if each.outcome != "completed"}
+    if not quiet:
+        _summary(out, len(jobs), len(work.missing), failed)
+    _name(failed, before)
+    return 1 if failed else 0
+
+
+def cores() -> int:
+    """Those that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _list(missing: Sequence[Job], there: Sequence[Job], failed: Mapping[str, str]) -> None:
+    """What would be done."""
+    for job in missing:
+        settings = job.settings.plain()
+        told = {**settings.pop("world"), **settings.pop("carried"), "seed": settings.pop("seed"), **settings}
+        hidden = {"root", "interval_s"}
+        words = (f"{key}={value}" for key, value in told.items() if key not in hidden and value not in (None, "", {}))
+        click.echo(f"{job.run_id}  {' '.join(words)}")
+    ended = f", of which {len(failed)} failed (--retry-failed executes these again)" if failed else ""
+    click.echo(f"{len(missing) + len(there)} runs: {len(there)} are there{ended}, {len(missing)} would be executed")
+
+
+def _make(out: str) -> None:
+    if is_url(out):
+        return
+    try:
+        Path(out).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make the folder --out {out}: {error.strerror}") from None
+
+
+def _summary(out: str, runs: int, executed: int, failed: Mapping[str, str]) -> None:
+    there = f", {runs - executed} were there before" if executed < runs else ""
+    click.echo(f"{runs} runs: {runs - len(failed)} completed, {len(failed)} failed{there}.")
+    click.echo(f"Tables in {out}: analysis.load('{out}'); aeb-sumo report {out}.")
+
+
+def _name(failed: Mapping[str, str], before: Mapping[str, str]) -> None:
+    """Say which runs failed."""
+    for run, reason in list(failed.items())[:_SHOWN]:
+        when = " (before; --retry-failed executes it again)" if run in before else ""
+        click.echo(f"aeb-sumo: failed{when}: {run}: {reason}", err=True)
+    if len(failed) > _SHOWN:
+        click.echo(f"aeb-sumo: failed: {len(failed) - _SHOWN} more, in table runs", err=True)
+
+
+@contextmanager
+def _local(workers: int | None) -> Iterator[Executor]:
+    """A thread per run at a time, which waits for the run's process."""
+    with ThreadPoolExecutor(workers or cores()) as executor:
+        yield executor
+
+
+@contextmanager
+def _interruptible() -> Iterator[None]:
+    """Ctrl-C, and being asked to end, end the campaign once; a second Ctrl-C cannot stop it from ending its workers."""
+
+    def ask(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
+        for each in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(each, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    before = {each: signal.signal(each, ask) for each in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler)
+
+
+@contextmanager
+def _progress(runs: int, there: int, quiet: bool) -> Iterator[Callable[[Outcome], None]]:
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("campaign"), BarColumn(), MofNCompleteColumn(), TextColumn("runs  {task.fields[rate]}"),
+        TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(elapsed_when_finished=False),
+    )  # fmt: skip
+    with Progress(*columns, console=console, disable=quiet or not console.is_terminal) as bar:
+        task = bar.add_task("", total=runs, completed=there, rate="")
+        ended, failed = 0, 0
+
+        def done(outcome: Outcome) -> None:
+            nonlocal ended, failed
+            ended, failed = ended + 1, failed + (outcome.outcome != "completed")
+            elapsed = bar.tasks[0].elapsed or 0.0
+            rate = f"{3600 * ended / elapsed:.0f} per hour" if elapsed else ""
+            bar.update(task, advance=1, rate=rate + (f", {failed} failed" if failed else ""))
+
+        yield done
