@@ -102,9 +102,8 @@ def _checked_systems(spec: Spec) -> list[Carried]:
             used |= {s.strategy.name for s in Equipment.parse(text).systems}
     for system, values in parameters.items():
         if system not in used:
-            raise InputError(
-                f"{spec.path}: [set.{system}] is of no system in [factors]; allowed: {', '.join(sorted(used))}"
-            )
+            there = ", ".join(sorted(used))
+            raise InputError(f"{spec.path}: [set.{system}] is of no system in [factors]; allowed: {there}")
         for name, each in ((n, v) for n, some in values.items() for v in some):
             with _naming(spec, name, f"set.{system}"):
                 strategies.load(system, {name: each})

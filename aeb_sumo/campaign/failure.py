@@ -1,5 +1,6 @@
 """The row in `runs` of a run that died: what it was of, how it ended, and nothing of what it would have shown."""
 
+from math import isnan
 from typing import Any
 
 import aeb_sumo
@@ -23,7 +24,7 @@ def row_of(run_id: str, settings: Settings, reason: str) -> dict[str, Any]:
         "strategy": carried.name,
         "sensing": carried.sensing,
         "parameters": carried.parameters,
-        "penetration": carried.penetration if carried.penetration == carried.penetration else None,  # noqa: PLR0124
+        "penetration": None if isnan(carried.penetration) else carried.penetration,
         "seed": settings.seed,
         "drivers": scenario.drivers.name,
         "step_length_s": settings.step_length_s or scenario.step_length,

@@ -33,7 +33,7 @@ def check(out: str, jobs: Sequence[Job]) -> None:
     if gone is not None:
         nearest = min((differences(old[gone], made_of) for made_of in new.values()), key=len)
         raise InputError(
-            f"--out {out} belongs to another campaign: its run {gone} is none of these, of which the nearest differs in "
+            f"--out {out} belongs to another campaign: its run {gone} is none of these; the nearest differs in "
             f"{', '.join(nearest)}; name a new folder, or only add to the factors"
         )
 

@@ -97,16 +97,14 @@ def _outcome(future: "Future[Outcome]", job: Job) -> Outcome:
     if error is None:
         return future.result()
     if isinstance(error, BrokenExecutor | CancelledError):
-        raise InputError(f"the executor of the runs is gone; runs that are finished are kept: start it {_AGAIN}")
+        raise InputError(f"the executor of the runs is gone; finished runs are kept: start it {_AGAIN}")
     return Outcome(run_id=job.run_id, outcome="failed", reason=" ".join(f"{type(error).__name__}: {error}".split()))
 
 
 def _keep(outcome: Outcome, job: Job, out: str) -> None:
     """See to it that the run has its row."""
     if outcome.outcome == "storage":
-        raise InputError(
-            f"cannot write into {out}: {outcome.reason}; runs that are finished are kept: make room {_AGAIN}"
-        )
+        raise InputError(f"cannot write into {out}: {outcome.reason}; finished runs are kept: make room {_AGAIN}")
     if outcome.outcome == "mismatch":
         raise InputError(f"run {outcome.run_id} would be another one where it is executed: {outcome.reason}")
     if not outcome.in_tables:

@@ -128,9 +128,8 @@ def read(path: Path) -> Spec:
     for key in ("sensing", "penetration"):
         if key in factors and "strategy" not in factors:
             raise InputError(f"{path}: [factors] {key}: needs strategy; equip says its shares and sensors itself")
-    return Spec(
-        path=path, factors=factors, parameters=_parameters(path, data.get("set", {})), common=_common(path, data)
-    )
+    parameters, common = _parameters(path, data.get("set", {})), _common(path, data.get("run", {}))
+    return Spec(path=path, factors=factors, parameters=parameters, common=common)
 
 
 def _values(path: Path, key: str, value: Any) -> tuple[Any, ...]:
@@ -185,8 +184,7 @@ def _flat(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def _common(path: Path, data: Mapping[str, Any]) -> Common:
-    table = data.get("run", {})
+def _common(path: Path, table: Mapping[str, Any]) -> Common:
     for key, value in table.items():
         if key not in _COMMON:
             raise _refusal(path, f"[run] {key}", "is unknown", ", ".join(f.name for f in fields(Common)))
@@ -196,7 +194,8 @@ def _common(path: Path, data: Mapping[str, Any]) -> Common:
         Choice.parse(table.get("verdicts", "none"))
     except InputError as error:
         raise InputError(f"{path}: [run] {error}") from None
-    return Common(**{key: value if isinstance(value, str) else float(value) for key, value in table.items()})
+    values: dict[str, Any] = {key: v if isinstance(v, str) else float(v) for key, v in table.items()}
+    return Common(**values)
 
 
 def _refusal(path: Path, what: str, why: str, allowed: str) -> InputError:

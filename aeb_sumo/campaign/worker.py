@@ -39,7 +39,7 @@ def main() -> None:
     answer.close()
 
 
-def _give_up(number: int, frame: FrameType | None) -> None:
+def _give_up(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
     raise _GivenUpError
 
 

@@ -59,9 +59,7 @@ def campaign(spec: Path, out: str, dry_run: bool, workers: int | None, retry_fai
             with _local(workers) as executor, _progress(len(jobs), len(work.there), quiet) as done:
                 outcomes = runner.execute_all(work.missing, out, executor, done=done)
         except KeyboardInterrupt:
-            click.echo(
-                "aeb-sumo: interrupted; finished runs are kept: the same command goes on with the rest", err=True
-            )
+            click.echo("aeb-sumo: interrupted; finished runs are kept, and the same command does the rest", err=True)
             return 130
     failed = before | {each.run_id: each.reason for each in outcomes if each.outcome != "completed"}
     if not quiet:

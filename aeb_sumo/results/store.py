@@ -7,9 +7,8 @@ tables without it.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -19,6 +18,9 @@ from aeb_sumo.results.schema import SCHEMA_VERSION, TABLES
 from aeb_sumo.results.writer import Writer
 
 __all__ = ["Results", "commit_failure", "finished", "holds_results", "read", "write"]
+
+if TYPE_CHECKING:  # a run does without, and it takes long to import
+    import pandas as pd
 
 Rows = Iterable[Mapping[str, Any]]  # or an Arrow table, which ships no types
 
@@ -44,12 +46,12 @@ class Results:
         parts = list(results)
         return cls({name: pa.concat_tables([r.tables[name] for r in parts]) for name in TABLES})
 
-    def frame(self, table: str) -> pd.DataFrame:
+    def frame(self, table: str) -> "pd.DataFrame":
         """A table as a DataFrame."""
         frame: pd.DataFrame = self.tables[table].to_pandas()
         return frame
 
-    def __getattr__(self, name: str) -> pd.DataFrame:
+    def __getattr__(self, name: str) -> "pd.DataFrame":
         """`results.crashes` is `results.frame("crashes")`."""
         if name in TABLES:
             return self.frame(name)
