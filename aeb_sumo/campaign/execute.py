@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,6 +68,7 @@ def execute(job: dict[str, Any]) -> Outcome:
         answer, messages = process.communicate(told, timeout=job["limit_s"])
         result = _read(answer) or {"outcome": "failed", "reason": _death(process.returncode, messages)}
     except subprocess.TimeoutExpired:
+        _end([process])
         result = {"outcome": "failed", "reason": f"took longer than limit_s, {job['limit_s']:g} s, and was killed"}
     finally:
         with _change:
@@ -81,14 +83,7 @@ def end_workers() -> None:
     with _change:
         _ending = True
         children = list(_children)
-    for process in children:
-        process.terminate()
-    deadline = time.monotonic() + _GRACE
-    for process in children:
-        try:
-            process.wait(max(0.0, deadline - time.monotonic()))
-        except subprocess.TimeoutExpired:
-            _kill(process)
+    _end(children)
 
 
 def allow_workers() -> None:
@@ -111,6 +106,18 @@ def _start() -> "subprocess.Popen[bytes]":
         pass_fds=inherited(),
         start_new_session=True,  # Ctrl-C is for the campaign; and with its group, its forks can be killed, too
     )
+
+
+def _end(processes: "Iterable[subprocess.Popen[bytes]]") -> None:
+    """Ask them to end, so that they take away what is unfinished; those that do not are killed."""
+    for process in processes:
+        process.terminate()
+    deadline = time.monotonic() + _GRACE
+    for process in processes:
+        try:
+            process.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            _kill(process)
 
 
 def _kill(process: "subprocess.Popen[bytes]") -> None:
