@@ -36,8 +36,9 @@ class Outcome:
             should simulate it has other files or another program.
         reason: why it was not completed.
         in_tables: it has its row in `runs`.
-        wall_s: time that it took, with the start of the process.
-        cpu_s: processor time of the simulation alone.
+        wall_s: time that it took.
+        cpu_s: processor time that its process took, forks included.
+        start_s: of that, before the first step had been simulated.
     """
 
     run_id: str
@@ -46,6 +47,7 @@ class Outcome:
     in_tables: bool = False
     wall_s: float = 0.0
     cpu_s: float = 0.0
+    start_s: float = 0.0
 
 
 def execute(job: dict[str, Any]) -> Outcome:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -29,12 +29,38 @@ class Job:
         settings: what it is of.
         content: what went into the id.
         limit_s: wall time after which it is killed.
+        span: simulated time [s]; None until all vehicles have arrived.
     """
 
     run_id: str
     settings: Settings
     content: Mapping[str, Any]
     limit_s: float
+    span: float | None
+
+    @classmethod
+    def of(cls, world: Known, carried: Equipment, settings: Settings, limit_s: float) -> "Job":
+        """The job of some settings, which are those of this world and equipment."""
+        made_of = content(world, carried, settings)
+        return cls(
+            run_id=run_id(world, carried, settings.seed, made_of),
+            settings=settings,
+            content=made_of,
+            limit_s=limit_s,
+            span=settings.duration_s or world.span,
+        )
+
+    def changed(self, **settings: Any) -> "Job":
+        """The job with other settings, those of world and equipment excepted."""
+        new = replace(self.settings, **settings)
+        return Job.of(known(new.world.make()), new.carried.make(), new, self.limit_s)
+
+    @property
+    def group(self) -> str:
+        """Name of the runs that differ in seed alone."""
+        label = self.run_id.rpartition("-")[0].removesuffix(f"-s{self.settings.seed}")
+        parameters = str(self.content["parameters"])
+        return f"{label} {parameters}" if parameters else label
 
 
 def expand(spec: Spec) -> list[Job]:
@@ -67,8 +93,7 @@ def _job(spec: Spec, world: World, made: Known, carried: Carried, equip: Equipme
             f"{spec.path}: [run] blockage_s {blockage:g} is too long for {world.scenario}; "
             f"allowed: its time-to-teleport, {made.teleport_after:g} s, or less"
         )
-    made_of = content(made, equip, settings)
-    return Job(run_id=run_id(made, equip, seed, made_of), settings=settings, content=made_of, limit_s=limit)
+    return Job.of(made, equip, settings, limit)
 
 
 def _worlds(spec: Spec) -> Iterator[tuple[World, Any]]:

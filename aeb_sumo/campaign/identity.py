@@ -8,7 +8,7 @@ from inspect import getsourcefile
 from pathlib import Path
 from typing import Any
 
-from aeb_sumo.campaign.inputs import digest, files, of_file, options_of, seed_of, source, teleport_after
+from aeb_sumo.campaign.inputs import digest, files, of_file, options_of, seed_of, source, span_of, teleport_after
 from aeb_sumo.campaign.settings import Settings
 from aeb_sumo.equipment import Equipment
 from aeb_sumo.scenarios import Scenario
@@ -27,12 +27,14 @@ class Known:
         files: as from `inputs.files`.
         seed: where none is given.
         teleport_after: [s].
+        span: simulated time where none is given [s]; None until all vehicles have arrived.
     """
 
     scenario: Scenario
     files: Mapping[str, str]
     seed: int
     teleport_after: float
+    span: float | None
 
 
 def known(scenario: Scenario) -> Known:
@@ -47,6 +49,7 @@ def known(scenario: Scenario) -> Known:
         files=files(scenario.name, options),
         seed=seed_of(scenario, options),
         teleport_after=teleport_after(options),
+        span=span_of(scenario, options),
     )
 
 

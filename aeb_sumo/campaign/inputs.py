@@ -10,7 +10,7 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.world.sumocfg import read
 
-__all__ = ["digest", "files", "of_file", "options_of", "seed_of", "source", "teleport_after"]
+__all__ = ["digest", "files", "of_file", "options_of", "seed_of", "source", "span_of", "teleport_after"]
 
 _CONFIGURATION = "configuration-file"
 _SHORT = {"n": "net-file", "r": "route-files", "a": "additional-files", "c": _CONFIGURATION}
@@ -120,10 +120,23 @@ def seed_of(scenario: Scenario, options: Mapping[str, str]) -> int:
     return scenario.seed if scenario.seed is not None else int(own) if own.isdecimal() else _SUMO_SEED
 
 
+def span_of(scenario: Scenario, options: Mapping[str, str]) -> float | None:
+    """Simulated time that a scenario has without being told one [s]; None until all vehicles have arrived."""
+    if scenario.duration is not None:
+        return scenario.duration
+    span = _seconds(options, "end", -1.0) - _seconds(options, "begin", 0.0)
+    return span if span > 0 else None
+
+
 def teleport_after(options: Mapping[str, str]) -> float:
     """SUMO's time-to-teleport [s], inf for never: no wreck can stand for longer."""
-    try:
-        seconds = float(options.get("time-to-teleport", _SUMO_TELEPORT))
-    except ValueError:  # for SUMO to refuse
-        seconds = _SUMO_TELEPORT
+    seconds = _seconds(options, "time-to-teleport", _SUMO_TELEPORT)
     return seconds if seconds > 0 else float("inf")
+
+
+def _seconds(options: Mapping[str, str], name: str, default: float) -> float:
+    """A time among the options; the default also for what SUMO will have to read or refuse itself."""
+    try:
+        return float(options.get(name, default))
+    except ValueError:
+        return default

@@ -11,7 +11,7 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.results import holds_results
 from aeb_sumo.results.place import Place
 
-__all__ = ["NAME", "check", "write"]
+__all__ = ["NAME", "check", "contents", "write"]
 
 NAME = "campaign.json"
 _FORMAT = 1
@@ -23,7 +23,7 @@ def check(out: str, jobs: Sequence[Job]) -> None:
     Raises:
         InputError: it belongs to another campaign, or holds results of something else.
     """
-    old = _read(out)
+    old = contents(out)
     if old is None:
         if holds_results(out):
             raise InputError(f"--out {out} holds results that are of no campaign; name a new or empty folder")
@@ -38,8 +38,12 @@ def check(out: str, jobs: Sequence[Job]) -> None:
         )
 
 
-def _read(out: str) -> dict[str, Mapping[str, Any]] | None:
-    """Id -> content of all runs of the campaign that a folder belongs to; None if it belongs to none."""
+def contents(out: str) -> dict[str, Mapping[str, Any]] | None:
+    """Id -> content of all runs of the campaign that a folder belongs to; None if it belongs to none.
+
+    Raises:
+        InputError: it cannot be read.
+    """
     place = Place.of(out)
     try:
         text = place.local.joinpath(NAME).read_bytes() if place.local else place.fs.cat_file(place.path("") + NAME)

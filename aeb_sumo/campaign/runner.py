@@ -8,6 +8,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.dataset as parquet
 
+from aeb_sumo.campaign import journal
 from aeb_sumo.campaign.execute import Outcome, allow_workers, end_workers, execute
 from aeb_sumo.campaign.expansion import Job
 from aeb_sumo.campaign.failure import row_of
@@ -78,6 +79,7 @@ def execute_all(
         for future in as_completed(futures):
             outcome = _outcome(future, futures[future])
             _keep(outcome, futures[future], out)
+            journal.note(out, outcome)
             outcomes.append(outcome)
             done(outcome)
     except BaseException:

@@ -3,6 +3,7 @@
 import ctypes
 import json
 import os
+import resource
 import signal
 import sys
 import time
@@ -50,13 +51,15 @@ def _run(job: dict[str, Any]) -> dict[str, Any]:
 
     parent = job["parent"]
 
+    started = 0.0
+
     def stop() -> bool:
+        nonlocal started
+        started = started or _spent()
         if os.getppid() != parent:
             raise _GivenUpError
         return False
 
-    stop()
-    began = time.process_time()
     try:
         outcome, reason = simulate(job, stop)
     except Exception as error:
@@ -68,7 +71,14 @@ def _run(job: dict[str, Any]) -> dict[str, Any]:
             traceback.print_exc()
             return {"outcome": "failed", "reason": " ".join(f"{type(error).__name__}: {error}".split())}
         return {"outcome": "failed", "reason": str(error)}
-    return {"outcome": outcome, "reason": reason, "in_tables": True, "cpu_s": time.process_time() - began}
+    spent = {"cpu_s": _spent(), "start_s": started}
+    return {"outcome": outcome, "reason": reason, "in_tables": True, **spent}
+
+
+def _spent() -> float:
+    """Processor time of this process, and of its forks that have ended [s]."""
+    forks = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + forks.ru_utime + forks.ru_stime
 
 
 def _storage(error: BaseException | None) -> str:

@@ -19,7 +19,7 @@ from aeb_sumo.campaign.lock import is_url, locked
 from aeb_sumo.campaign.spec import read
 from aeb_sumo.errors import InputError
 
-__all__ = ["campaign", "cores"]
+__all__ = ["campaign", "cores", "interruptible"]
 
 _SHOWN = 10  # failed runs that are named at the end
 
@@ -48,7 +48,7 @@ def campaign(spec: Path, out: str, dry_run: bool, workers: int | None, retry_fai
     _make(out)
     if is_url(out):
         click.echo(f"aeb-sumo: note: on this machine alone is {out} locked against a second campaign", err=True)
-    with locked(out), _interruptible():
+    with locked(out), interruptible():
         manifest.check(out, jobs)
         manifest.write(out, spec.stem, jobs)
         if retry_failed:
@@ -117,7 +117,7 @@ def _local(workers: int | None) -> Iterator[Executor]:
 
 
 @contextmanager
-def _interruptible() -> Iterator[None]:
+def interruptible() -> Iterator[None]:
     """Ctrl-C, and being asked to end, end the campaign once; a second Ctrl-C cannot stop it from ending its workers."""
 
     def ask(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
