@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from aeb_sumo import strategies
-from aeb_sumo.campaign.identity import Known, content, known, run_id
+from aeb_sumo.campaign.identity import Fitted, Known, content, known, run_id
 from aeb_sumo.campaign.settings import Carried, Settings, World, drivers_of
 from aeb_sumo.campaign.spec import Spec
 from aeb_sumo.equipment import Equipment
@@ -39,7 +39,7 @@ class Job:
     span: float | None
 
     @classmethod
-    def of(cls, world: Known, carried: Equipment, settings: Settings, limit_s: float) -> "Job":
+    def of(cls, world: Known, carried: Fitted, settings: Settings, limit_s: float) -> "Job":
         """The job of some settings, which are those of this world and equipment."""
         made_of = content(world, carried, settings)
         return cls(
@@ -53,7 +53,7 @@ class Job:
     def changed(self, **settings: Any) -> "Job":
         """The job with other settings, those of world and equipment excepted."""
         new = replace(self.settings, **settings)
-        return Job.of(known(new.world.make()), new.carried.make(), new, self.limit_s)
+        return Job.of(known(new.world.make()), Fitted(new.carried.make()), new, self.limit_s)
 
     @property
     def group(self) -> str:
@@ -74,7 +74,7 @@ def expand(spec: Spec) -> list[Job]:
         InputError: something is unknown, out of range or does not fit together; the message names file and key.
     """
     worlds = [(world, known(made)) for world, made in _worlds(spec)]
-    systems = [(carried, carried.make()) for carried in _checked_systems(spec)]
+    systems = [(carried, Fitted(carried.make())) for carried in _checked_systems(spec)]
     jobs: dict[str, Job] = {}
     for seed in spec.factors.get("seed", (None,)):
         for (world, made), (carried, equip) in product(worlds, systems):
@@ -83,7 +83,7 @@ def expand(spec: Spec) -> list[Job]:
     return list(jobs.values())
 
 
-def _job(spec: Spec, world: World, made: Known, carried: Carried, equip: Equipment, seed: int) -> Job:
+def _job(spec: Spec, world: World, made: Known, carried: Carried, equip: Fitted, seed: int) -> Job:
     common = asdict(spec.common)
     limit = common.pop("limit_s")
     settings = Settings(world=world, carried=carried, seed=seed, **common)

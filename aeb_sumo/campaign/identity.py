@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from inspect import getsourcefile
 from pathlib import Path
@@ -13,7 +14,7 @@ from aeb_sumo.campaign.settings import Settings
 from aeb_sumo.equipment import Equipment
 from aeb_sumo.scenarios import Scenario
 
-__all__ = ["Known", "code", "content", "differences", "known", "run_id"]
+__all__ = ["Fitted", "Known", "code", "content", "differences", "known", "run_id"]
 
 _DIGITS = 12  # of the digest in an id; two of a million runs have the same with a probability of 0.2 %
 
@@ -36,6 +37,42 @@ class Known:
     teleport_after: float
     span: float | None
 
+    @cached_property
+    def made_of(self) -> dict[str, Any]:
+        """What a run depends on of all this."""
+        scenario = self.scenario
+        return {
+            "scenario": Path(scenario.name).stem,
+            "files": dict(sorted(self.files.items())),
+            "traffic": digest(scenario.vehicles),
+            "stretches": digest(repr(scenario.stretches)),
+            "variation": scenario.variation,
+            "demand": scenario.factor,
+            "ebike_share": scenario.demand.ebike_share if scenario.demand else None,
+            "weather": scenario.weather,
+            "mu": scenario.mu,
+            "drivers": digest(repr(replace(scenario.drivers, name=""))),
+        }
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Equipment, looked at once for all runs that have it."""
+
+    equipment: Equipment
+
+    @cached_property
+    def made_of(self) -> dict[str, Any]:
+        """What a run depends on of it."""
+        equip = self.equipment
+        return {
+            "strategy": equip.name,
+            "sensing": equip.sensing,
+            "penetration": equip.text,
+            "parameters": equip.parameters,
+            "systems": digest(repr(equip.systems) + _from_outside(equip)),
+        }
+
 
 def known(scenario: Scenario) -> Known:
     """Look into the files of a scenario.
@@ -53,6 +90,7 @@ def known(scenario: Scenario) -> Known:
     )
 
 
+@cache
 def code() -> dict[str, str]:
     """What simulates: digest of the program's source files, and the version of SUMO."""
     try:
@@ -62,7 +100,7 @@ def code() -> dict[str, str]:
     return {"source": source(), "sumo": sumo}
 
 
-def content(world: Known, carried: Equipment, settings: Settings) -> dict[str, Any]:
+def content(world: Known, carried: Fitted, settings: Settings) -> dict[str, Any]:
     """All that a run depends on, in one form: what is left to a default is written out.
 
     Args:
@@ -73,26 +111,12 @@ def content(world: Known, carried: Equipment, settings: Settings) -> dict[str, A
     Returns:
         Keys in a fixed order, values that JSON holds; paths are not among them.
     """
-    scenario = world.scenario
     return {
-        "scenario": Path(scenario.name).stem,
-        "files": dict(sorted(world.files.items())),
-        "traffic": digest(scenario.vehicles),
-        "stretches": digest(repr(scenario.stretches)),
-        "variation": scenario.variation,
-        "demand": scenario.factor,
-        "ebike_share": scenario.demand.ebike_share if scenario.demand else None,
-        "weather": scenario.weather,
-        "mu": scenario.mu,
-        "drivers": digest(repr(replace(scenario.drivers, name=""))),
-        "strategy": carried.name,
-        "sensing": carried.sensing,
-        "penetration": carried.text,
-        "parameters": carried.parameters,
-        "systems": digest(repr(carried.systems) + _from_outside(carried)),
+        **world.made_of,
+        **carried.made_of,
         "seed": settings.seed,
-        "duration_s": settings.duration_s or scenario.duration,
-        "step_length_s": settings.step_length_s or scenario.step_length,
+        "duration_s": settings.duration_s or world.scenario.duration,
+        "step_length_s": settings.step_length_s or world.scenario.step_length,
         "blockage_s": settings.blockage_s,
         "interval_s": settings.interval_s,
         "verdicts": settings.verdicts.strip(),
@@ -107,12 +131,12 @@ def _from_outside(carried: Equipment) -> str:
     return "".join(of_file(Path(file)) for t in outside if (file := getsourcefile(t)) is not None)
 
 
-def run_id(world: Known, carried: Equipment, seed: int, made_of: Mapping[str, Any]) -> str:
+def run_id(world: Known, carried: Fitted, seed: int, made_of: Mapping[str, Any]) -> str:
     """Id of a run: what a single run would be called, and a digest of its content."""
     scenario = world.scenario
     name = "-".join(filter(None, (Path(scenario.name).stem, scenario.variation)))
     of_content = digest(json.dumps(made_of, sort_keys=True))[:_DIGITS]
-    return f"{carried.run_id(name, seed)}-{of_content}"
+    return f"{carried.equipment.run_id(name, seed)}-{of_content}"
 
 
 def differences(one: Mapping[str, Any], two: Mapping[str, Any]) -> list[str]:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from aeb_sumo.campaign.inputs import digest
 from aeb_sumo.errors import InputError
+from aeb_sumo.results.place import Place
 
 __all__ = ["inherited", "is_url", "locked"]
 
@@ -20,7 +21,7 @@ _held: set[int] = set()
 
 def is_url(out: str) -> bool:
     """Whether results go to a file system of fsspec, not to a folder of this machine."""
-    return "://" in out
+    return Place.of(out).local is None
 
 
 def inherited() -> tuple[int, ...]:
@@ -42,7 +43,7 @@ def locked(out: str) -> Iterator[None]:
         InputError: another campaign holds it.
     """
     name = f"aeb-sumo-{os.getuid()}-{digest(out)}{_NAME}"
-    path = Path(tempfile.gettempdir()) / name if is_url(out) else Path(out) / _NAME
+    path = (Place.of(out).local or Path(tempfile.gettempdir())) / (name if is_url(out) else _NAME)
     try:
         lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o644)
     except OSError as error:

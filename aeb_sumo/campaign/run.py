@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from aeb_sumo.campaign.identity import content, differences, known
+from aeb_sumo.campaign.identity import Fitted, content, differences, known
 from aeb_sumo.campaign.settings import Settings
 from aeb_sumo.simulate import run
 
@@ -29,12 +29,12 @@ def simulate(job: Mapping[str, Any], stop: Callable[[], bool]) -> tuple[str, str
         InputError: SUMO refuses the scenario, or the tables cannot be written.
     """
     settings = Settings.of(job["settings"])
-    world, carried = known(settings.world.make()), settings.carried.make()
+    world, carried = known(settings.world.make()), Fitted(settings.carried.make())
     if differing := differences(job["content"], content(world, carried, settings)):
         raise NotTheSameError(", ".join(differing))
     # The cores are taken by runs: one fork beside each.
     done = run(
-        world.scenario, equip=carried, seed=settings.seed, duration=settings.duration_s,
+        world.scenario, equip=carried.equipment, seed=settings.seed, duration=settings.duration_s,
         step_length=settings.step_length_s, blockage=settings.blockage_s, interval=settings.interval_s,
         verdicts=settings.verdicts, forks=1, stop=stop, out=job["out"], run_id=job["run_id"],
     )  # fmt: skip

@@ -140,7 +140,8 @@ def _values(path: Path, key: str, value: Any) -> tuple[Any, ...]:
     for each in values:
         if allowed := FACTORS[key](each):
             raise _refusal(path, f"[factors] {key}", f"cannot be {each!r}", allowed)
-    return values
+    # 1 and 1.0 are the same, but would not be in an id.
+    return values if key == "seed" else tuple(v if isinstance(v, str) else float(v) for v in values)
 
 
 def _list(path: Path, key: str, value: Any) -> tuple[Any, ...]:

@@ -87,7 +87,8 @@ def _storage(error: BaseException | None) -> str:
 
     while error is not None:
         if isinstance(error, OSError) and error.errno in {ENOSPC, EDQUOT, EFBIG, EROFS}:
-            return os.strerror(error.errno)
+            place = f" ({error.filename})" if isinstance(error.filename, str) else ""
+            return os.strerror(error.errno) + place
         error = error.__cause__ or error.__context__
     return ""
 

@@ -18,6 +18,7 @@ from aeb_sumo.campaign.expansion import Job, expand
 from aeb_sumo.campaign.lock import is_url, locked
 from aeb_sumo.campaign.spec import read
 from aeb_sumo.errors import InputError
+from aeb_sumo.results.place import Place
 
 __all__ = ["campaign", "cores", "interruptible"]
 
@@ -43,7 +44,8 @@ def campaign(spec: Path, out: str, dry_run: bool, workers: int | None, retry_fai
     work = runner.split(jobs, out)
     before = runner.failed(out, work.there)
     if dry_run:
-        _list(work.missing, work.there, before)
+        again = [job for job in work.there if retry_failed and job.run_id in before]
+        _list([*work.missing, *again], len(jobs), before)
         return 0
     _make(out)
     if is_url(out):
@@ -73,7 +75,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _list(missing: Sequence[Job], there: Sequence[Job], failed: Mapping[str, str]) -> None:
+def _list(missing: Sequence[Job], runs: int, failed: Mapping[str, str]) -> None:
     """What would be done."""
     for job in missing:
         settings = job.settings.plain()
@@ -81,15 +83,17 @@ def _list(missing: Sequence[Job], there: Sequence[Job], failed: Mapping[str, str
         hidden = {"root", "interval_s"}
         words = (f"{key}={value}" for key, value in told.items() if key not in hidden and value not in (None, "", {}))
         click.echo(f"{job.run_id}  {' '.join(words)}")
-    ended = f", of which {len(failed)} failed (--retry-failed executes these again)" if failed else ""
-    click.echo(f"{len(missing) + len(there)} runs: {len(there)} are there{ended}, {len(missing)} would be executed")
+    left = len(failed.keys() - {job.run_id for job in missing})
+    ended = f", of which {left} failed (--retry-failed executes these again)" if left else ""
+    click.echo(f"{runs} runs: {runs - len(missing)} are there{ended}, {len(missing)} would be executed")
 
 
 def _make(out: str) -> None:
-    if is_url(out):
+    folder = Place.of(out).local
+    if folder is None:
         return
     try:
-        Path(out).mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot make the folder --out {out}: {error.strerror}") from None
 

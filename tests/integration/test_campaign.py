@@ -279,7 +279,11 @@ def test_a_run_whose_process_dies_is_a_row_and_the_campaign_goes_on(reference, t
     again = command("campaign", spec, "--out", out)
     assert again.returncode == 1, "what failed stays failed"
     assert "failed (before; --retry-failed executes it again)" in again.stderr
-    assert "1 failed" in command("campaign", spec, "--out", out, "--dry-run").stdout
+    listed = command("campaign", spec, "--out", out, "--dry-run").stdout
+    assert "6 runs: 6 are there, of which 1 failed (--retry-failed executes these again), 0 would be" in listed
+    listed = command("campaign", spec, "--out", out, "--dry-run", "--retry-failed").stdout
+    assert listed.startswith(row["run_id"])
+    assert "6 runs: 5 are there, 1 would be executed" in listed
     retried = command("campaign", spec, "--out", out, "--retry-failed")
     assert retried.returncode == 0, retried.stderr
     assert tables(out) == tables(reference)

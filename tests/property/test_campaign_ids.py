@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from aeb_sumo import scenarios
 from aeb_sumo.campaign.expansion import expand
-from aeb_sumo.campaign.identity import content, known, run_id
+from aeb_sumo.campaign.identity import Fitted, content, known, run_id
 from aeb_sumo.campaign.settings import Carried, Settings, World
 from aeb_sumo.campaign.spec import FACTORS, Common, Spec
 
@@ -73,7 +73,7 @@ def test_a_value_more_adds_runs_and_takes_none_away(factors, name, data):
 @given(SETTINGS, SETTINGS)
 def test_two_runs_have_one_id_if_and_only_if_they_are_the_same(one, two):
     def made(settings):
-        carried = settings.carried.make()
+        carried = Fitted(settings.carried.make())
         made_of = content(W0, carried, settings)
         assert json.loads(json.dumps(made_of)) == made_of
         return run_id(W0, carried, settings.seed, made_of)
@@ -83,7 +83,7 @@ def test_two_runs_have_one_id_if_and_only_if_they_are_the_same(one, two):
 
 
 def test_every_part_of_what_a_run_is_made_of_is_in_its_id():
-    carried = Carried(strategy="staged").make()
+    carried = Fitted(Carried(strategy="staged").make())
     settings = Settings(
         world=World(root="/", scenario="w0"), carried=Carried(strategy="staged"), seed=1, duration_s=5.0,
         step_length_s=0.1, blockage_s=None, interval_s=60.0, verdicts="none",

@@ -79,7 +79,7 @@ def test_the_same_run_said_in_two_ways_is_one(jobs):
 def test_what_is_said_like_the_default_is_the_default(jobs):
     short = jobs('[factors]\nscenario = "w0"\nstrategy = "zhao2025"\n')
     long = jobs(
-        '[factors]\nscenario = ["w0"]\nstrategy = "zhao2025"\nsensing = "ideal"\npenetration = 1.0\nseed = 1\n'
+        '[factors]\nscenario = ["w0"]\nstrategy = "zhao2025"\nsensing = "ideal"\npenetration = 1\nseed = 1\n'
         '[run]\nduration_s = 1800\nstep_length_s = 0.1\ninterval_s = 60\nverdicts = "none"\nlimit_s = 7\n'
     )
     assert [job.run_id for job in short] == [job.run_id for job in long]
