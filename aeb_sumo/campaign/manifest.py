@@ -49,8 +49,8 @@ def contents(out: str) -> dict[str, Mapping[str, Any]] | None:
         text = place.local.joinpath(NAME).read_bytes() if place.local else place.fs.cat_file(place.path("") + NAME)
     except (FileNotFoundError, NotADirectoryError):
         return None
-    except OSError as error:
-        raise InputError(f"cannot read {out}/{NAME}: {error.strerror or error}") from None
+    except Exception as error:  # whatever the package of a file system raises
+        raise InputError(f"cannot read {out}/{NAME}: {getattr(error, 'strerror', None) or error}") from None
     try:
         found = json.loads(text)
         runs: dict[str, Mapping[str, Any]] = found["runs"]
@@ -78,6 +78,7 @@ def write(out: str, name: str, jobs: Sequence[Job]) -> None:
     place = Place.of(out)
     try:
         if place.local is None:
+            place.fs.makedirs(place.path("").rstrip("/"), exist_ok=True)
             place.fs.pipe_file(place.path("") + NAME, text)
             return
         partial = place.local / f".{NAME}.partial"
@@ -86,5 +87,5 @@ def write(out: str, name: str, jobs: Sequence[Job]) -> None:
             file.flush()
             os.fsync(file.fileno())
         partial.replace(place.local / NAME)
-    except OSError as error:
-        raise InputError(f"cannot write {out}/{NAME}: {error.strerror or error}") from None
+    except Exception as error:  # whatever the package of a file system raises
+        raise InputError(f"cannot write {out}/{NAME}: {getattr(error, 'strerror', None) or error}") from None

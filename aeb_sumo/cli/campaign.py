@@ -49,7 +49,7 @@ def campaign(spec: Path, out: str, dry_run: bool, workers: int | None, retry_fai
         return 0
     _make(out)
     if is_url(out):
-        click.echo(f"aeb-sumo: note: on this machine alone is {out} locked against a second campaign", err=True)
+        click.echo(f"aeb-sumo: note: {out} is locked against a second campaign on this machine alone", err=True)
     with locked(out), interruptible():
         manifest.check(out, jobs)
         manifest.write(out, spec.stem, jobs)
@@ -101,7 +101,7 @@ def _make(out: str) -> None:
 def _summary(out: str, runs: int, executed: int, failed: Mapping[str, str]) -> None:
     there = f", {runs - executed} were there before" if executed < runs else ""
     click.echo(f"{runs} runs: {runs - len(failed)} completed, {len(failed)} failed{there}.")
-    click.echo(f"Tables in {out}: analysis.load('{out}'); aeb-sumo report {out}.")
+    click.echo(f"Tables in {out}: analysis.load('{out}')" + ("." if is_url(out) else f"; aeb-sumo report {out}."))
 
 
 def _name(failed: Mapping[str, str], before: Mapping[str, str]) -> None:

@@ -8,6 +8,8 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +20,7 @@ import analysis
 from aeb_sumo.campaign.execute import execute
 from aeb_sumo.campaign.expansion import expand
 from aeb_sumo.campaign.lock import locked
-from aeb_sumo.campaign.runner import payload
+from aeb_sumo.campaign.runner import execute_all, payload
 from aeb_sumo.campaign.spec import read
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES, finished
@@ -347,3 +349,91 @@ def test_a_full_disk_is_one_line_and_loses_nothing(reference, tmp_path, spec):
     assert set(analysis.load(out).runs["outcome"]) == {"completed"}
     assert command("campaign", spec, "--out", out).returncode == 0
     assert tables(out) == tables(reference)
+
+
+@pytest.mark.slow
+def test_a_disk_that_is_really_full(reference, tmp_path, spec):
+    small = tmp_path / "small"
+    small.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=200k", "tmpfs", str(small)], check=False, capture_output=True
+    )
+    if mounted.returncode:
+        pytest.skip("only root can make a small disk")
+    try:
+        full = command("campaign", spec, "--out", small / "out")
+        assert full.returncode == 2
+        (line,) = full.stderr.splitlines()
+        assert "No space left on device" in line
+        kept = tables(small / "out")
+        assert kept.items() <= tables(reference).items()
+        subprocess.run(["mount", "-o", "remount,size=9m", str(small)], check=True)
+        assert command("campaign", spec, "--out", small / "out").returncode == 0
+        assert tables(small / "out") == tables(reference)
+    finally:
+        subprocess.run(["umount", str(small)], check=True)
+
+
+@pytest.mark.slow
+def test_a_process_that_hangs_and_does_not_listen_is_killed(tmp_path, spec):
+    spec.write_text(LONG + "limit_s = 5\n")
+    job = payload(expand(read(spec))[0], str(tmp_path / "out"))
+    with ThreadPoolExecutor(1) as executor:
+        future = executor.submit(execute, job)
+        (worker,) = wait_for(lambda: workers(os.getpid()))
+        os.kill(worker, signal.SIGSTOP)
+        outcome = future.result(60)
+    assert (outcome.outcome, outcome.reason) == ("failed", "took longer than limit_s, 5 s, and was killed")
+    assert not Path(f"/proc/{worker}").exists()
+
+
+def test_any_executor_will_do(reference, tmp_path, spec):
+    out = str(tmp_path / "out")
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
+        outcomes = execute_all(expand(read(spec)), out, executor)
+    assert {each.outcome for each in outcomes} == {"completed"}
+    assert tables(tmp_path / "out") == tables(reference)
+
+
+class Lossy(ThreadPoolExecutor):
+    """Loses the second job that it is given."""
+
+    count = 0
+
+    def submit(self, fn, /, *arguments, **named):
+        self.count += 1
+        return super().submit(lose if self.count == 2 else fn, *arguments, **named)
+
+
+def lose(*_: object) -> None:
+    raise ConnectionError("the machine is gone")
+
+
+def test_a_job_that_its_executor_loses_is_a_row(tmp_path, spec):
+    spec.write_text(SPEC.format(seeds=[1]))
+    out = str(tmp_path / "out")
+    with Lossy(2) as executor:
+        outcomes = {each.run_id: each for each in execute_all(expand(read(spec)), out, executor)}
+    runs = analysis.load(out).runs.set_index("strategy")
+    assert runs.loc["none", "outcome"] == "completed"
+    assert runs.loc["staged", "reason"] == "ConnectionError: the machine is gone"
+    assert outcomes[runs.loc["staged", "run_id"]].outcome == "failed"
+
+
+def test_tables_go_to_any_file_system(reference, tmp_path, spec):
+    spec.write_text(SPEC.format(seeds=[1]))
+    out = f"simplecache::file://{tmp_path}/bucket"
+    for there in ("", ", 2 were there before"):
+        done = command("campaign", spec, "--out", out)
+        assert done.returncode == 0, done.stderr
+        assert f"2 runs: 2 completed, 0 failed{there}." in done.stdout
+        assert "is locked against a second campaign on this machine alone" in done.stderr
+    assert tables(tmp_path / "bucket").items() <= tables(reference).items()
+    spec.write_text(SPEC.format(seeds=[2]))
+    refused = command("campaign", spec, "--out", out)
+    assert refused.returncode == 2
+    assert "belongs to another campaign" in refused.stderr
+    unknown = command("campaign", spec, "--out", "nowhere://bucket")
+    assert unknown.returncode == 2
+    assert "nowhere" in unknown.stderr
+    assert len(unknown.stderr.splitlines()) == 1
