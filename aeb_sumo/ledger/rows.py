@@ -18,12 +18,13 @@ class Rows:
 
     Args:
         table: its name in `TABLES`.
+        pack: so many rows at a time, our assumption.
 
     They lack the column `run_id`, which `of_run` adds.
     """
 
-    def __init__(self, table: str) -> None:
-        self._table = table
+    def __init__(self, table: str, *, pack: int = _PACK) -> None:
+        self._table, self._size = table, pack
         self._schema: pa.Schema = TABLES[table].arrow().remove(0)
         self._put: Callable[[pa.RecordBatch], None] | None = None
         self._packed: list[pa.RecordBatch] = []
@@ -37,7 +38,7 @@ class Rows:
         """Add a finished row; it must not change afterwards."""
         self._loose.append(row)
         self._count += 1
-        if len(self._loose) >= _PACK:
+        if len(self._loose) >= self._size:
             self._pack()
 
     def stream(self, put: Callable[[pa.RecordBatch], None]) -> None:

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.results.place import Place
-from aeb_sumo.results.schema import SCHEMA_VERSION, TABLES
+from aeb_sumo.results.reader import Stored
+from aeb_sumo.results.schema import TABLES
 from aeb_sumo.results.writer import Writer
 
 __all__ = ["Results", "commit_failure", "finished", "holds_results", "read", "write"]
@@ -99,7 +99,7 @@ def commit_failure(out: str | Path, row: Mapping[str, Any]) -> None:
 
     Args:
         out: local folder or fsspec URL.
-        row: columns of `runs`, of which `run_id` must be there; `outcome` is `failed` if not said otherwise.
+        row: columns of `runs`, of which `run_id` must be there; the outcome is `failed`, and no time was reached.
 
     Raises:
         InputError: a column does not exist, a value is of another type, or it cannot be written.
@@ -110,39 +110,17 @@ def commit_failure(out: str | Path, row: Mapping[str, Any]) -> None:
     if "run_id" not in row:
         raise InputError("a row of runs needs its run_id")
     try:
-        results = Results.of({"runs": [{"outcome": "failed"} | dict(row)]})
+        results = Results.of({"runs": [dict(row) | {"outcome": "failed", "end_s": None}]})
     except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
         raise InputError(f"a row of runs has a value of another type: {error}") from None
     write(results, out)
 
 
 def read(folder: str | Path) -> Results:
-    """Read all runs of a folder, in the order of their ids.
+    """Read all runs of a local folder or fsspec URL into memory, in the order of their ids.
 
     Raises:
-        InputError: the folder holds no results, or a table of it cannot be read.
+        InputError: there are no results, or a table cannot be read.
     """
-    folder = Path(folder)
-    if not holds_results(folder):
-        raise InputError(f"no results in {folder}: expected the folders {', '.join(TABLES)}")
-    tables = {}
-    for name, table in TABLES.items():
-        schema = table.arrow()
-        parts = []
-        for path in sorted((folder / name).glob("*.parquet")):
-            try:
-                part = pq.read_table(path)
-            except (OSError, pa.ArrowInvalid) as error:
-                raise InputError(f"cannot read {path}: {error}") from None
-            version = (part.schema.metadata or {}).get(b"schema_version", b"none").decode(errors="replace")
-            if version != str(SCHEMA_VERSION) or not part.schema.equals(schema):
-                raise InputError(
-                    f"{path} has another schema than table {name!r} of this program: version {version} "
-                    f"instead of {SCHEMA_VERSION}, or other columns; make the results again, or read them with the "
-                    "aeb-sumo that made them"
-                )
-            parts.append(part)
-        tables[name] = pa.concat_tables([schema.empty_table(), *parts])
-    if not tables["runs"].num_rows:
-        raise InputError(f"no runs in {folder}: its table runs is missing or empty")
-    return Results(tables)
+    stored = Stored.of(folder)
+    return Results({name: stored.read(name) for name in TABLES})

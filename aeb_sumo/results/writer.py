@@ -32,8 +32,8 @@ def of_run(rows: pa.Table, table: str, run_id: str) -> pa.Table:
 class _File:
     """One table of the run on its way: a Parquet file in which rows are appended, some thousand at a time."""
 
-    def __init__(self, path: Path, table: str, run_id: str) -> None:
-        self.path, self._table, self._run_id = path, table, run_id
+    def __init__(self, path: Path, table: str, run_id: str, row_group: int) -> None:
+        self.path, self._table, self._run_id, self._row_group = path, table, run_id, row_group
         path.parent.mkdir(parents=True, exist_ok=True)
         self._file: IO[bytes] = path.open("wb")
         self._parquet = pq.ParquetWriter(self._file, TABLES[table].arrow())
@@ -43,14 +43,14 @@ class _File:
     def put(self, batch: pa.RecordBatch) -> None:
         self._waiting.append(batch)
         self._count += len(batch)
-        if self._count >= ROW_GROUP:
+        if self._count >= self._row_group:
             self._flush()
 
     def _flush(self) -> None:
         if self._waiting:
             rows = pa.Table.from_batches(self._waiting)
             self._waiting, self._count = [], 0
-            self._parquet.write_table(of_run(rows, self._table, self._run_id), row_group_size=ROW_GROUP)
+            self._parquet.write_table(of_run(rows, self._table, self._run_id), row_group_size=self._row_group)
 
     def close(self) -> None:
         """All rows are there: on the disk, not only on their way to it."""
@@ -78,6 +78,7 @@ class Writer:
     Args:
         out: local folder or URL.
         run_id: of the run.
+        row_group: so many rows are gathered before they are written, our assumption.
 
     As a context it discards, when left, what has not been committed.
 
@@ -86,7 +87,7 @@ class Writer:
             is left of the run.
     """
 
-    def __init__(self, out: "str | os.PathLike[str]", run_id: str) -> None:
+    def __init__(self, out: "str | os.PathLike[str]", run_id: str, *, row_group: int = ROW_GROUP) -> None:
         if not 0 < len(run_id.encode()) <= _LONGEST or run_id[0] in "._" or {*"/\0"} & {*run_id}:
             allowed = f"1 to {_LONGEST} bytes, no slash, no dot or underscore first"
             raise InputError(f"run id {run_id!r} names no file: {allowed}")
@@ -102,7 +103,7 @@ class Writer:
             folder = Path(self._spool or ".") if local is None else local
             for name in sorted(TABLES, key=lambda name: name == "runs"):
                 path = folder / name / f".{run_id}{SUFFIX}.partial"
-                self._files[name] = _File(path, name, run_id)
+                self._files[name] = _File(path, name, run_id, row_group)
 
     def put(self, table: str, rows: pa.RecordBatch) -> None:
         """Append rows to a table.
