@@ -2,11 +2,8 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
-
-import pyarrow as pa
-import pyarrow.dataset as parquet
 
 from aeb_sumo.campaign import journal
 from aeb_sumo.campaign.execute import Outcome, allow_workers, end_workers, execute
@@ -14,6 +11,7 @@ from aeb_sumo.campaign.expansion import Job
 from aeb_sumo.campaign.failure import row_of
 from aeb_sumo.errors import InputError
 from aeb_sumo.results.place import Place
+from aeb_sumo.results.reader import Stored
 from aeb_sumo.results.store import commit_failure, finished
 
 __all__ = ["Work", "execute_all", "failed", "forget", "payload", "split"]
@@ -77,8 +75,7 @@ def execute_all(
         for job in jobs:
             futures[executor.submit(execute, payload(job, out))] = job
         for future in as_completed(futures):
-            outcome = _outcome(future, futures[future])
-            _keep(outcome, futures[future], out)
+            outcome = _kept(_outcome(future, futures[future]), futures[future], out)
             journal.note(out, outcome)
             outcomes.append(outcome)
             done(outcome)
@@ -103,14 +100,20 @@ def _outcome(future: "Future[Outcome]", job: Job) -> Outcome:
     return Outcome(run_id=job.run_id, outcome="failed", reason=" ".join(f"{type(error).__name__}: {error}".split()))
 
 
-def _keep(outcome: Outcome, job: Job, out: str) -> None:
-    """See to it that the run has its row."""
+def _kept(outcome: Outcome, job: Job, out: str) -> Outcome:
+    """The outcome, with a row in `runs`."""
     if outcome.outcome == "storage":
         raise InputError(f"cannot write into {out}: {outcome.reason}; finished runs are kept: make room {_AGAIN}")
     if outcome.outcome == "mismatch":
         raise InputError(f"run {outcome.run_id} would be another one where it is executed: {outcome.reason}")
-    if not outcome.in_tables:
-        commit_failure(out, row_of(job.run_id, job.settings, outcome.reason))
+    if outcome.in_tables:
+        return outcome
+    place = Place.of(out)
+    place.fs.invalidate_cache()
+    if place.fs.exists(place.path("runs", job.run_id)):  # what died had nothing left to do but to say so
+        return replace(outcome, outcome="completed", reason="", in_tables=True)
+    commit_failure(out, row_of(job.run_id, job.settings, outcome.reason))
+    return outcome
 
 
 _AGAIN = "and start the same command again"
@@ -124,14 +127,8 @@ def failed(out: str, jobs: Sequence[Job]) -> dict[str, str]:
     """
     if not jobs:
         return {}
-    place = Place.of(out)
-    paths = [place.path("runs", job.run_id) for job in jobs]
-    try:
-        rows = parquet.dataset(paths, format="parquet", filesystem=place.fs).to_table(
-            columns=["run_id", "outcome", "reason"], filter=parquet.field("outcome") != "completed"
-        )
-    except (OSError, pa.ArrowInvalid) as error:
-        raise InputError(f"cannot read the runs in {out}: {' '.join(str(error).split())}") from None
+    runs = Stored.of(out).only([job.run_id for job in jobs])
+    rows = runs.read("runs", columns=["run_id", "outcome", "reason"], filters=[("outcome", "!=", "completed")])
     return {row["run_id"]: row["reason"] or row["outcome"] for row in rows.to_pylist()}
 
 

@@ -17,7 +17,7 @@ import pandas as pd
 import pytest
 
 import analysis
-from aeb_sumo.campaign.execute import execute
+from aeb_sumo.campaign.execute import Outcome, execute
 from aeb_sumo.campaign.expansion import expand
 from aeb_sumo.campaign.lock import locked
 from aeb_sumo.campaign.runner import execute_all, payload
@@ -262,7 +262,6 @@ def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(reference, tmp_path,
 def test_a_run_whose_process_dies_is_a_row_and_the_campaign_goes_on(reference, tmp_path, spec):
     out = tmp_path / "out"
     process = start(spec, out, "--workers", "1")
-    wait_for(lambda: len(finished(out)) == 1)
     (victim,) = wait_for(lambda: workers(process.pid))
     os.kill(victim, signal.SIGKILL)
     code, summary, errors = finish(process)
@@ -271,9 +270,9 @@ def test_a_run_whose_process_dies_is_a_row_and_the_campaign_goes_on(reference, t
     (line,) = errors.splitlines()
     assert line.startswith("aeb-sumo: failed: track-")
     assert "its process was ended by SIGKILL (Killed)" in line
-    runs = analysis.load(out).runs
-    assert len(runs) == 6
-    (row,) = runs[runs["outcome"] == "failed"].to_dict("records")
+    data = analysis.load(out)
+    assert len(data.runs) == 5
+    (row,) = data.died.to_dict("records")
     assert "SIGKILL" in row["reason"]
     assert (row["scenario"], row["step_length_s"]) == ("track", 0.1)
     assert command("compare", out).returncode == 0
@@ -314,10 +313,11 @@ def test_a_run_that_sumo_refuses_is_a_row_with_the_reason(tmp_path, spec):
     done = command("campaign", spec, "--out", tmp_path / "out")
     assert done.returncode == 1
     assert "2 runs: 1 completed, 1 failed" in done.stdout
-    runs = analysis.load(tmp_path / "out").runs.set_index("scenario")
-    assert runs.loc["bad.sumocfg", "outcome"] == "failed"
-    assert "nowhere" in runs.loc["bad.sumocfg", "reason"]
-    assert runs.loc["track", "outcome"] == "completed"
+    data = analysis.load(tmp_path / "out")
+    assert data.runs["scenario"].tolist() == ["track"]
+    (row,) = data.died.to_dict("records")
+    assert row["scenario"] == "bad.sumocfg"
+    assert "nowhere" in row["reason"]
 
 
 def test_a_run_is_not_simulated_where_it_would_be_another_one(tmp_path, spec):
@@ -414,10 +414,11 @@ def test_a_job_that_its_executor_loses_is_a_row(tmp_path, spec):
     out = str(tmp_path / "out")
     with Lossy(2) as executor:
         outcomes = {each.run_id: each for each in execute_all(expand(read(spec)), out, executor)}
-    runs = analysis.load(out).runs.set_index("strategy")
-    assert runs.loc["none", "outcome"] == "completed"
-    assert runs.loc["staged", "reason"] == "ConnectionError: the machine is gone"
-    assert outcomes[runs.loc["staged", "run_id"]].outcome == "failed"
+    data = analysis.load(out)
+    assert data.runs["strategy"].tolist() == ["none"]
+    (row,) = data.died.to_dict("records")
+    assert (row["strategy"], row["reason"]) == ("staged", "ConnectionError: the machine is gone")
+    assert outcomes[row["run_id"]].outcome == "failed"
 
 
 def test_tables_go_to_any_file_system(reference, tmp_path, spec):
@@ -437,3 +438,23 @@ def test_tables_go_to_any_file_system(reference, tmp_path, spec):
     assert unknown.returncode == 2
     assert "nowhere" in unknown.stderr
     assert len(unknown.stderr.splitlines()) == 1
+
+
+def test_a_process_that_dies_when_all_is_written_has_lost_nothing(reference, tmp_path, spec):
+    spec.write_text(SPEC.format(seeds=[1]))
+    with DeadAtTheEnd(2) as executor:
+        outcomes = execute_all(expand(read(spec)), str(tmp_path / "out"), executor)
+    assert {each.outcome for each in outcomes} == {"completed"}
+    assert tables(tmp_path / "out").items() <= tables(reference).items()
+
+
+class DeadAtTheEnd(ThreadPoolExecutor):
+    """Its workers cannot say any more that they are done."""
+
+    def submit(self, fn, /, *arguments, **named):
+        return super().submit(silent, fn, *arguments, **named)
+
+
+def silent(fn, *arguments: object) -> Outcome:
+    done = fn(*arguments)
+    return Outcome(run_id=done.run_id, outcome="failed", reason="its process was ended by SIGKILL (Killed)")
