@@ -41,6 +41,7 @@ class _Group:
         km: of one run.
         cpu_s: that one run takes.
         runs: that this is known from; 0 for a pilot.
+        shorter: these do not last as long as the ones that are planned.
     """
 
     jobs: Sequence[Job]
@@ -49,6 +50,7 @@ class _Group:
     km: float
     cpu_s: float
     runs: int
+    shorter: bool = False
 
 
 @click.command()
@@ -103,6 +105,7 @@ def _from_runs(jobs: Sequence[Job], runs: pd.DataFrame, there: Collection[str]) 
     return _Group(
         jobs=jobs, left=left, figures=runs[["crashes", "km"]].groupby(level=0).sum(),
         km=float(runs["km"].mean()) * longer, cpu_s=start + (cpu - start) * longer, runs=len(runs),
+        shorter=longer > 1.01,
     )  # fmt: skip
 
 
@@ -155,8 +158,11 @@ def _row(group: _Group, baseline: _Group | None) -> list[str]:
         return [*cells, "-", "-", "-", "-"]
     expected = forecast(group.figures, km=km)
     cells += [_number(expected.crashes), f"{_number(expected.low)} to {_number(expected.high)}"]
-    cells += [f"{_number(_MILLION * expected.rate)} ± {_number(_MILLION * expected.half_width)}"]
-    if baseline is None or isnan(baseline.km) or not baseline.km:
+    if expected.rate:
+        cells.append(f"{_number(_MILLION * expected.rate)} ± {_number(_MILLION * expected.half_width)}")
+    else:
+        cells.append(f"below {_number(_MILLION * expected.high / km)}")
+    if baseline is None or isnan(baseline.km) or not baseline.figures["crashes"].any():
         return [*cells, "-"]
     width, paired = difference_half_width(
         baseline.figures, group.figures, seeds=runs, baseline_km=len(baseline.jobs) * baseline.km, km=km
@@ -180,6 +186,8 @@ def _print_basis(groups: Sequence[_Group], pilot: float) -> None:
     known, short = [g for g in groups if g.runs], [g for g in groups if not g.runs]
     if known:
         click.echo(f"{len(known)} rows are based on {sum(g.runs for g in known)} runs that are there.")
+    if any(g.shorter for g in known):
+        click.echo("Some of them are shorter than those to come: scaled by time, though traffic builds up at first.")
     if short:
         crashes = sum(float(g.figures["crashes"].sum()) for g in short)
         click.echo(

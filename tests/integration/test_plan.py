@@ -61,6 +61,16 @@ def test_runs_that_are_there_are_better_than_pilot_runs(folder, tmp_path):
     assert re.search(rf"track-none-p0 │ 10 │ [\d.]+ │ [\d.]+ │ {5 * crashes} │", words), words
 
 
+def test_runs_that_were_shorter_are_scaled_and_said_to_be(folder, tmp_path):
+    (tmp_path / "spec.toml").write_text(SPEC.format(seeds="[1, 2]").replace("= 8", "= 80"))
+    done = command("plan", tmp_path / "spec.toml", "--have", folder / "out")
+    assert done.returncode == 0, done.stderr
+    assert "4 runs, 4 to do" in done.stdout
+    assert "Some of them are shorter than those to come" in done.stdout
+    km = float(re.search(r"([\d.,]+) vehicle-km in all", done.stdout)[1])
+    assert km == pytest.approx(10 * analysis.load(folder / "out").traffic["distance_m"].sum() / 1000, rel=0.01)
+
+
 def test_what_runs_do_not_tell_is_piloted(folder, tmp_path):
     (tmp_path / "spec.toml").write_text(SPEC.format(seeds="1").replace('"none", ', '"none", "yan2025", '))
     done = command("plan", tmp_path / "spec.toml", "--have", folder / "out", "--pilot", 2)
