@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +19,7 @@ from aeb_sumo.campaign.lock import inherited
 __all__ = ["Outcome", "allow_workers", "end_workers", "execute"]
 
 _GRACE = 5.0  # s, our assumption: that a worker has to end by itself when it is asked to
+_LOOK = 0.5  # s between two looks whether a run is still wanted, our assumption
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 _children: set["subprocess.Popen[bytes]"] = set()
@@ -50,11 +51,12 @@ class Outcome:
     start_s: float = 0.0
 
 
-def execute(job: dict[str, Any]) -> Outcome:
+def execute(job: dict[str, Any], *, wanted: Callable[[], bool] = lambda: True) -> Outcome:
     """Simulate one run in a fresh process and wait for its end.
 
     Args:
         job: from `runner.payload`: only plain values, so that any executor can carry it anywhere.
+        wanted: asked all the while; False ends the run, of which nothing is kept.
 
     Returns:
         The outcome, whatever happened to the process: it can crash, be killed or hang.
@@ -67,16 +69,40 @@ def execute(job: dict[str, Any]) -> Outcome:
         _children.add(process)
     try:
         told = json.dumps({**job, "parent": os.getpid()}).encode()
-        answer, messages = process.communicate(told, timeout=job["limit_s"])
+        answer, messages = _wait(process, told, began + job["limit_s"], wanted)
         result = _read(answer) or {"outcome": "failed", "reason": _death(process.returncode, messages)}
     except subprocess.TimeoutExpired:
         _end([process])
         result = {"outcome": "failed", "reason": f"took longer than limit_s, {job['limit_s']:g} s, and was killed"}
+    except _UnwantedError:
+        _end([process])
+        result = {"outcome": "failed", "reason": "nobody waits for it any more"}
     finally:
         with _change:
             _children.discard(process)
         _kill(process)
     return Outcome(run_id=job["run_id"], wall_s=time.monotonic() - began, **result)
+
+
+class _UnwantedError(Exception):
+    """Nobody waits for the run."""
+
+
+def _wait(
+    process: "subprocess.Popen[bytes]", told: bytes, deadline: float, wanted: Callable[[], bool]
+) -> tuple[bytes, bytes]:
+    """What a process says until its end."""
+    first: bytes | None = told  # what it has not read yet is remembered
+    while True:
+        left = deadline - time.monotonic()
+        try:
+            return process.communicate(first, timeout=max(0.0, min(left, _LOOK)))
+        except subprocess.TimeoutExpired:
+            first = None
+            if left <= _LOOK:
+                raise
+            if not wanted():
+                raise _UnwantedError from None
 
 
 def end_workers() -> None:

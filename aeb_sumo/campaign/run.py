@@ -5,6 +5,7 @@ from typing import Any
 
 from aeb_sumo.campaign.identity import Fitted, content, differences, known
 from aeb_sumo.campaign.settings import Settings
+from aeb_sumo.errors import InputError
 from aeb_sumo.simulate import run
 
 __all__ = ["NotTheSameError", "simulate"]
@@ -29,7 +30,10 @@ def simulate(job: Mapping[str, Any], stop: Callable[[], bool]) -> tuple[str, str
         InputError: SUMO refuses the scenario, or the tables cannot be written.
     """
     settings = Settings.of(job["settings"])
-    world, carried = known(settings.world.make()), Fitted(settings.carried.make())
+    try:
+        world, carried = known(settings.world.make()), Fitted(settings.carried.make())
+    except InputError as error:  # it was none where the campaign was started
+        raise NotTheSameError(str(error)) from None
     if differing := differences(job["content"], content(world, carried, settings)):
         raise NotTheSameError(", ".join(differing))
     # The cores are taken by runs: one fork beside each.

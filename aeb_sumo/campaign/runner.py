@@ -51,14 +51,20 @@ def payload(job: Job, out: str) -> dict[str, Any]:
 
 
 def execute_all(
-    jobs: Sequence[Job], out: str, executor: Executor, *, done: Callable[[Outcome], None] = lambda _: None
+    jobs: Sequence[Job],
+    out: str,
+    executor: Executor,
+    *,
+    how: Callable[[dict[str, Any]], Outcome] = execute,
+    done: Callable[[Outcome], None] = lambda _: None,
 ) -> list[Outcome]:
     """Execute some runs; one that dies or fails gets a row that says so, and the others go on.
 
     Args:
         jobs: the runs.
         out: folder or URL for the tables.
-        executor: runs `execute`, in this process or elsewhere; a thread each is enough, as it only waits.
+        executor: in this process or elsewhere; a thread per run is enough, as it only waits.
+        how: what it is given to do.
         done: called after every run.
 
     Returns:
@@ -73,7 +79,7 @@ def execute_all(
     outcomes = []
     try:
         for job in jobs:
-            futures[executor.submit(execute, payload(job, out))] = job
+            futures[executor.submit(how, payload(job, out))] = job
         for future in as_completed(futures):
             outcome = _kept(_outcome(future, futures[future]), futures[future], out)
             journal.note(out, outcome)
@@ -95,6 +101,8 @@ def _outcome(future: "Future[Outcome]", job: Job) -> Outcome:
         error = cancelled
     if error is None:
         return future.result()
+    if isinstance(error, ImportError):
+        raise InputError(f"where runs are executed, this program is missing: {error}")
     if isinstance(error, BrokenExecutor | CancelledError):
         raise InputError(f"the executor of the runs is gone; finished runs are kept: start it {_AGAIN}")
     return Outcome(run_id=job.run_id, outcome="failed", reason=" ".join(f"{type(error).__name__}: {error}".split()))

@@ -4,16 +4,18 @@ import os
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import click
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from aeb_sumo.campaign import manifest, runner
-from aeb_sumo.campaign.execute import Outcome
+from aeb_sumo.campaign.cluster import cluster, execute_there
+from aeb_sumo.campaign.execute import Outcome, execute
 from aeb_sumo.campaign.expansion import Job, expand
 from aeb_sumo.campaign.lock import is_url, locked
 from aeb_sumo.campaign.spec import read
@@ -30,15 +32,20 @@ _SHOWN = 10  # failed runs that are named at the end
 @click.option("--out", required=True, help="Folder for the tables, new or of this campaign; or a URL of fsspec.")
 @click.option("--dry-run", is_flag=True, help="List the runs that are missing, and do nothing.")
 @click.option("--workers", type=click.IntRange(1), help="Runs at a time. [default: one per core]")
+@click.option("--scheduler", metavar="tcp://HOST:PORT", help="Execute on this Dask cluster instead of here.")
 @click.option("--retry-failed", is_flag=True, help="Execute again what failed before.")
 @click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
-def campaign(spec: Path, out: str, dry_run: bool, workers: int | None, retry_failed: bool, quiet: bool) -> int:
+def campaign(
+    spec: Path, out: str, dry_run: bool, workers: int | None, scheduler: str | None, retry_failed: bool, quiet: bool
+) -> int:
     """Execute all runs of SPEC that are not in the folder yet; start it again after any end.
 
     SPEC is a TOML file: [factors] with scenario, strategy, seed and other options of `aeb-sumo run`, each a value or a
     list; [run] with what all runs have in common; [set.SYSTEM] with parameters. A folder belongs to one campaign, to
     which values may be added.
     """
+    if scheduler is not None and workers is not None:
+        raise InputError("--workers are those of this machine; with --scheduler there are as many as the cluster has")
     jobs = expand(read(spec))
     manifest.check(out, jobs)
     work = runner.split(jobs, out)
@@ -47,19 +54,40 @@ def campaign(spec: Path, out: str, dry_run: bool, workers: int | None, retry_fai
         again = [job for job in work.there if retry_failed and job.run_id in before]
         _list([*work.missing, *again], len(jobs), before)
         return 0
+    if scheduler is None:
+        return _execute(jobs, out, spec.stem, _local(workers), execute, retry_failed=retry_failed, quiet=quiet)
+    with cluster(scheduler) as (executor, size):  # before the folder is made
+        if not size:
+            click.echo(f"aeb-sumo: note: {scheduler} has no workers yet; waiting for them", err=True)
+        there = nullcontext(executor)
+        return _execute(jobs, out, spec.stem, there, execute_there, retry_failed=retry_failed, quiet=quiet)
+
+
+def _execute(
+    jobs: Sequence[Job],
+    out: str,
+    name: str,
+    executors: AbstractContextManager[Executor],
+    how: Callable[[dict[str, Any]], Outcome],
+    *,
+    retry_failed: bool,
+    quiet: bool,
+) -> int:
+    """Execute what is missing; the exit status."""
     _make(out)
     if is_url(out):
         click.echo(f"aeb-sumo: note: {out} is locked against a second campaign on this machine alone", err=True)
     with locked(out), interruptible():
         manifest.check(out, jobs)
-        manifest.write(out, spec.stem, jobs)
-        if retry_failed:
-            runner.forget(out, [job for job in jobs if job.run_id in before])
+        manifest.write(out, name, jobs)
         work = runner.split(jobs, out)
         before = runner.failed(out, work.there)
+        if retry_failed:
+            runner.forget(out, [job for job in jobs if job.run_id in before])
+            work, before = runner.split(jobs, out), {}
         try:
-            with _local(workers) as executor, _progress(len(jobs), len(work.there), quiet) as done:
-                outcomes = runner.execute_all(work.missing, out, executor, done=done)
+            with executors as executor, _progress(len(jobs), len(work.there), quiet) as done:
+                outcomes = runner.execute_all(work.missing, out, executor, how=how, done=done)
         except KeyboardInterrupt:
             click.echo("aeb-sumo: interrupted; finished runs are kept, and the same command does the rest", err=True)
             return 130
