@@ -16,6 +16,7 @@ from aeb_sumo.scenarios import Scenario
 
 __all__ = ["Fitted", "Known", "code", "content", "differences", "known", "run_id"]
 
+_LONGEST = 200  # bytes of the part that can be read: a file name has 255
 _DIGITS = 12  # of the digest in an id; two of a million runs have the same with a probability of 0.2 %
 
 
@@ -136,7 +137,8 @@ def run_id(world: Known, carried: Fitted, seed: int, made_of: Mapping[str, Any])
     scenario = world.scenario
     name = "-".join(filter(None, (Path(scenario.name).stem, scenario.variation)))
     of_content = digest(json.dumps(made_of, sort_keys=True))[:_DIGITS]
-    return f"{carried.equipment.run_id(name, seed)}-{of_content}"
+    readable = carried.equipment.run_id(name, seed).lstrip("._").encode()[:_LONGEST].decode(errors="ignore")
+    return f"{readable}-{of_content}"
 
 
 def differences(one: Mapping[str, Any], two: Mapping[str, Any]) -> list[str]:

@@ -77,20 +77,20 @@ def _execute(
     _make(out)
     if is_url(out):
         click.echo(f"aeb-sumo: note: {out} is locked against a second campaign on this machine alone", err=True)
-    with locked(out), interruptible():
-        manifest.check(out, jobs)
-        manifest.write(out, name, jobs)
-        work = runner.split(jobs, out)
-        before = runner.failed(out, work.there)
-        if retry_failed:
-            runner.forget(out, [job for job in jobs if job.run_id in before])
-            work, before = runner.split(jobs, out), {}
-        try:
+    try:
+        with locked(out), interruptible():
+            manifest.check(out, jobs)
+            manifest.write(out, name, jobs)
+            work = runner.split(jobs, out)
+            before = runner.failed(out, work.there)
+            if retry_failed:
+                runner.forget(out, [job for job in jobs if job.run_id in before])
+                work, before = runner.split(jobs, out), {}
             with executors as executor, _progress(len(jobs), len(work.there), quiet) as done:
                 outcomes = runner.execute_all(work.missing, out, executor, how=how, done=done)
-        except KeyboardInterrupt:
-            click.echo("aeb-sumo: interrupted; finished runs are kept, and the same command does the rest", err=True)
-            return 130
+    except KeyboardInterrupt:
+        click.echo("aeb-sumo: interrupted; finished runs are kept, and the same command does the rest", err=True)
+        return 130
     failed = before | {each.run_id: each.reason for each in outcomes if each.outcome != "completed"}
     if not quiet:
         _summary(out, len(jobs), len(work.missing), failed)

@@ -11,10 +11,12 @@ import pytest
 
 import sumo_nets
 from aeb_sumo.campaign.expansion import expand
+from aeb_sumo.campaign.failure import row_of
 from aeb_sumo.campaign.identity import differences
 from aeb_sumo.campaign.settings import Settings
 from aeb_sumo.campaign.spec import read
 from aeb_sumo.errors import InputError
+from aeb_sumo.repeat import settings
 from tests.helpers import command
 
 MINIMAL = """[factors]
@@ -101,6 +103,28 @@ def test_settings_survive_the_way_to_a_worker(jobs):
     for job in jobs('[factors]\nscenario = "w0"\nequip = "zhao2025=0.5"\n[set]\nzhao2025.comfort_decel = 5\n'):
         assert Settings.of(json.loads(json.dumps(job.settings.plain()))) == job.settings
         assert not differences(job.content, json.loads(json.dumps(job.content)))
+
+
+def test_a_run_is_repeated_by_its_row_in_spite_of_its_id(jobs):
+    found = jobs(
+        '[factors]\nscenario = "w0"\nstrategy = ["none", "staged"]\npenetration = 0.25\ndemand = 1.3\n'
+        'ebike_share = 0.4\nmu = 0.6\ndrivers = "careful"\nseed = 5\n[set]\nstaged.brake_ttc = 0.5\n[run]\n'
+        "duration_s = 20\nblockage_s = 30\n"
+    )
+    for job in found:
+        row = {**row_of(job.run_id, job.settings, ""), "begin_s": 0.0, "end_s": 20.0}
+        again = settings(row)
+        assert again.scenario == job.settings.world.make()
+        assert again.equip == job.settings.carried.make()
+        assert (again.seed, again.duration, again.blockage) == (5, 20.0, 30.0)
+
+
+def test_ids_are_names_of_files(tmp_path):
+    name = "_" + "é" * 110
+    own(tmp_path / "net", name=name)
+    (found,) = ids_in(tmp_path / "net", tmp_path, f'[factors]\nscenario = "net/{name}.sumocfg"\nstrategy = "none"\n')
+    assert len(found.encode()) < 230
+    assert found[0] == "é"
 
 
 def own(folder, name="city"):
