@@ -152,10 +152,15 @@ class Dataset:
         return Dataset(**{name: table[table["run_id"].isin(run_ids)] for name, table in tables.items()})
 
     def by_group(self) -> dict[str, "Dataset"]:
-        """One data set per group, the baseline first."""
+        """One data set per group, the baseline first; those of a folder are the same at every call, and read once."""
+        if "_groups" in self.__dict__:
+            return dict(self.__dict__["_groups"])
         names = self.groups()
         order = sorted(names.unique(), key=lambda name: (name.partition(",")[0] != "none", name))
-        return {name: self.only(names.index[names == name]) for name in order}
+        groups = {name: self.only(names.index[names == name]) for name in order}
+        if self._stored is not None:
+            self.__dict__["_groups"] = groups
+        return dict(groups)
 
 
 def load(folder: str | Path, *, filters: Filters | None = None) -> Dataset:

@@ -1,7 +1,6 @@
 """Where results live: a local folder, or one at any URL that fsspec knows, such as `s3://bucket/study`."""
 
 import os
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +11,7 @@ from fsspec.utils import get_protocol
 
 from aeb_sumo.errors import InputError
 
-__all__ = ["SUFFIX", "Place"]
+__all__ = ["SUFFIX", "Place", "one_line"]
 
 SUFFIX = ".parquet"
 _LOCAL = ("file", "local")
@@ -53,14 +52,14 @@ class Place:
         """The path, if it is local."""
         if get_protocol(self.name) not in _LOCAL:
             return None
-        return Path(self.name.removeprefix("file://").removeprefix("local://")).absolute()
+        return Path(self.name.removeprefix("file://").removeprefix("local://"))
 
     @cached_property
     def _opened(self) -> tuple[Any, str]:
         try:
-            fs, root = fsspec.core.url_to_fs(str(self.local) if self.local is not None else self.name)
+            fs, root = fsspec.core.url_to_fs(self.name if self.local is None else str(self.local.absolute()))
         except Exception as error:  # whatever its package raises
-            raise InputError(f"cannot open {self.name}: {_line(error)}") from None
+            raise InputError(f"cannot open {self.name}: {one_line(error)}") from None
         return fs, str(root).rstrip("/")
 
     @property
@@ -86,13 +85,21 @@ class Place:
         except (FileNotFoundError, NotADirectoryError):
             return set()
         except Exception as error:
-            raise InputError(f"cannot list {self.name}: {_line(error)}") from None
+            raise InputError(f"cannot list {self.name}: {one_line(error)}") from None
         return {name.removesuffix(SUFFIX) for name in names if name.endswith(SUFFIX) and not name.startswith(".")}
 
     def remove(self, table: str, run_id: str) -> None:
-        """Remove the file of a run, if it is there."""
-        with suppress(FileNotFoundError):
+        """Remove the file of a run, if it is there.
+
+        Raises:
+            InputError: it cannot be removed.
+        """
+        try:
             self.fs.rm_file(self.path(table, run_id))
+        except FileNotFoundError:
+            return
+        except Exception as error:
+            raise InputError(f"cannot write results into {self.name}: {one_line(error)}") from None
 
     def upload(self, file: Path, table: str, run_id: str) -> None:
         """Put a local file there. What decides whether a run exists comes under another name first, then its own.
@@ -108,9 +115,9 @@ class Place:
             if table == "runs":
                 self.fs.mv(partial, target)
         except Exception as error:  # whatever its package raises
-            raise InputError(f"cannot write results into {self.name}: {_line(error)}") from None
+            raise InputError(f"cannot write results into {self.name}: {one_line(error)}") from None
 
 
-def _line(error: BaseException) -> str:
+def one_line(error: BaseException) -> str:
     """What an exception says, in one line."""
     return " ".join(str(getattr(error, "strerror", None) or error).split()) or type(error).__name__

@@ -15,7 +15,7 @@ import pyarrow.parquet as pq
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.results.filters import Filters, chosen, expression, table_of
-from aeb_sumo.results.place import Place
+from aeb_sumo.results.place import Place, one_line
 from aeb_sumo.results.schema import SCHEMA_VERSION, TABLES
 
 __all__ = ["Stored"]
@@ -93,7 +93,7 @@ class Stored:
             with self._filesystem.open_input_file(path) as file:
                 row = pq.ParquetFile(file, pre_buffer=False).read(use_threads=False)
         except (OSError, pa.ArrowException) as error:
-            raise InputError(f"cannot read {path}: {_line(error)}") from None
+            raise InputError(f"cannot read {path}: {one_line(error)}") from None
         _check(row.schema, path, "runs")
         return row
 
@@ -129,7 +129,7 @@ class Stored:
             yield
         except (OSError, pa.ArrowException) as error:
             self._check(files, table)
-            raise InputError(f"cannot read table {table} of {self.place.name}: {_line(error)}") from None
+            raise InputError(f"cannot read table {table} of {self.place.name}: {one_line(error)}") from None
         self._check(files, table)
 
     def _check(self, files: Any, table: str) -> None:
@@ -137,7 +137,7 @@ class Stored:
             try:
                 there = file.physical_schema
             except (OSError, pa.ArrowException) as error:
-                raise InputError(f"cannot read {file.path}: {_line(error)}") from None
+                raise InputError(f"cannot read {file.path}: {one_line(error)}") from None
             _check(there, file.path, table)
 
 
@@ -149,7 +149,3 @@ def _check(schema: pa.Schema, path: str, table: str) -> None:
             f"{path} has another schema than table {table!r} of this program: version {version} instead of "
             f"{SCHEMA_VERSION}, or other columns; make the results again, or read them with the aeb-sumo that made them"
         )
-
-
-def _line(error: BaseException) -> str:
-    return " ".join(str(error).split())

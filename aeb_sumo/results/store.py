@@ -22,6 +22,7 @@ __all__ = ["Results", "commit_failure", "finished", "holds_results", "read", "wr
 if TYPE_CHECKING:  # a run does without, and it takes long to import
     import pandas as pd
 
+_DIED = {"outcome": "failed", "end_s": None}
 Rows = Iterable[Mapping[str, Any]]  # or an Arrow table, which ships no types
 
 
@@ -110,7 +111,7 @@ def commit_failure(out: str | Path, row: Mapping[str, Any]) -> None:
     if "run_id" not in row:
         raise InputError("a row of runs needs its run_id")
     try:
-        results = Results.of({"runs": [dict(row) | {"outcome": "failed", "end_s": None}]})
+        results = Results.of({"runs": [dict(row) | {"reason": row.get("reason") or "", **_DIED}]})
     except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
         raise InputError(f"a row of runs has a value of another type: {error}") from None
     write(results, out)

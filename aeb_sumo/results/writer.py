@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from aeb_sumo.errors import InputError
-from aeb_sumo.results.place import SUFFIX, Place
+from aeb_sumo.results.place import SUFFIX, Place, one_line
 from aeb_sumo.results.schema import TABLES
 
 __all__ = ["ROW_GROUP", "Writer", "of_run"]
@@ -88,8 +88,8 @@ class Writer:
     """
 
     def __init__(self, out: "str | os.PathLike[str]", run_id: str, *, row_group: int = ROW_GROUP) -> None:
-        if not 0 < len(run_id.encode()) <= _LONGEST or run_id[0] in "._" or {*"/\0"} & {*run_id}:
-            allowed = f"1 to {_LONGEST} bytes, no slash, no dot or underscore first"
+        if not 0 < len(run_id.encode()) <= _LONGEST or run_id[0] in "._" or {*"/\0*?["} & {*run_id}:
+            allowed = f"1 to {_LONGEST} bytes, no slash, *, ? or [, no dot or underscore first"
             raise InputError(f"run id {run_id!r} names no file: {allowed}")
         self._place, self.run_id = Place.of(out), run_id
         self._process = os.getpid()
@@ -165,7 +165,7 @@ class Writer:
             raise
         except OSError as error:
             self.discard()
-            raise InputError(f"cannot write results into {self._place.name}: {error.strerror or error}") from None
+            raise InputError(f"cannot write results into {self._place.name}: {one_line(error)}") from None
         except BaseException:
             self.discard()
             raise

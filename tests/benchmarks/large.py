@@ -17,7 +17,7 @@ import pyarrow as pa
 
 import analysis
 from aeb_sumo import scenarios
-from aeb_sumo.results import finished
+from aeb_sumo.results import VERDICTS, finished
 from aeb_sumo.results.writer import Writer
 from aeb_sumo.simulate import run
 
@@ -52,6 +52,7 @@ def make(folder: str, runs: int) -> None:
             "strategy": [system] * ROWS,
             "begin_s": begin,
             "end_s": begin + 1,
+            "verdict": draw.choice(list(VERDICTS), ROWS),
             "x_m": draw.uniform(0, 5_000, ROWS),
             "warn_gap_m": draw.uniform(0, 50, ROWS),
             "trigger_ttc_s": draw.uniform(0, 3, ROWS),

@@ -113,7 +113,7 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path):
         Writer(tmp_path / "file", "a")
 
 
-@pytest.mark.parametrize("name", ["", ".a", "_a", "a/b", "a" * 231])
+@pytest.mark.parametrize("name", ["", ".a", "_a", "a/b", "a*", "a[1]", "a" * 231])
 def test_a_run_id_names_a_file(tmp_path, name):
     with pytest.raises(InputError, match="names no file: 1 to 230 bytes"):
         Writer(tmp_path / "new", name)
@@ -191,6 +191,14 @@ def test_ten_thousand_runs_are_counted_at_once(tmp_path):
     begin = time.perf_counter()
     assert len(finished(tmp_path)) == 10_000
     assert time.perf_counter() - begin < 2
+
+
+def test_a_tilde_is_a_name_like_any_other(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    commit_failure("~", {"run_id": "a"})
+    assert finished("~") == {"a"}
+    assert len(read("~").runs) == 1
+    assert (tmp_path / "~" / "runs" / "a.parquet").exists()
 
 
 def test_the_files_are_what_pandas_reads(tmp_path):
