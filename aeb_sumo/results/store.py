@@ -13,7 +13,6 @@ import pyarrow as pa
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.results.place import Place
-from aeb_sumo.results.reader import Stored
 from aeb_sumo.results.schema import TABLES
 from aeb_sumo.results.writer import Writer
 
@@ -123,5 +122,7 @@ def read(folder: str | Path) -> Results:
     Raises:
         InputError: there are no results, or a table cannot be read.
     """
+    from aeb_sumo.results.reader import Stored  # noqa: PLC0415 - it brings pandas, and a run does without
+
     stored = Stored.of(folder)
     return Results({name: stored.read(name) for name in TABLES})

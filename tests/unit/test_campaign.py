@@ -305,3 +305,14 @@ def test_bad_input_is_one_line_and_touches_nothing(tmp_path, name, text, reason)
 def test_a_specification_that_is_not_there_is_one_line(tmp_path):
     with pytest.raises(InputError, match="cannot read the specification"):
         read(Path(tmp_path / "none.toml"))
+
+
+def test_a_run_does_not_import_what_it_does_not_need():
+    code = (
+        "import sys, aeb_sumo.campaign.run; from aeb_sumo import strategies; strategies.load('staged');"
+        "print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    heavy = {"pandas", "scipy.stats", "scipy.optimize", "scipy.spatial", "matplotlib", "statsmodels", "skfuzzy", "rich"}
+    assert "libsumo" in done.stdout.split()
+    assert not heavy & set(done.stdout.split())
