@@ -9,7 +9,17 @@ from inspect import getsourcefile
 from pathlib import Path
 from typing import Any
 
-from aeb_sumo.campaign.inputs import digest, files, of_file, options_of, seed_of, source, span_of, teleport_after
+from aeb_sumo.campaign.inputs import (
+    digest,
+    files,
+    of_file,
+    options_of,
+    seed_of,
+    source,
+    span_of,
+    switches,
+    teleport_after,
+)
 from aeb_sumo.campaign.settings import Settings
 from aeb_sumo.equipment import Equipment
 from aeb_sumo.scenarios import Scenario
@@ -45,6 +55,7 @@ class Known:
         return {
             "scenario": Path(scenario.name).stem,
             "files": dict(sorted(self.files.items())),
+            "options": switches(scenario),
             "traffic": digest(scenario.vehicles),
             "stretches": digest(repr(scenario.stretches)),
             "variation": scenario.variation,

@@ -10,7 +10,7 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.world.sumocfg import read
 
-__all__ = ["digest", "files", "of_file", "options_of", "seed_of", "source", "span_of", "teleport_after"]
+__all__ = ["digest", "files", "of_file", "options_of", "seed_of", "source", "span_of", "switches", "teleport_after"]
 
 _CONFIGURATION = "configuration-file"
 _SHORT = {"n": "net-file", "r": "route-files", "a": "additional-files", "c": _CONFIGURATION}
@@ -50,19 +50,31 @@ def options_of(scenario: Scenario) -> dict[str, str]:
     Raises:
         InputError: the configuration cannot be read.
     """
-    own: dict[str, str] = {}
-    last = ""
-    for word in scenario.sumo_options:
-        if word.startswith("-"):
-            name, _, value = word.lstrip("-").partition("=")
-            last = _SHORT.get(name, name)
-            own[last] = value
-        else:
-            own[last] = word
+    own = _own(scenario)
     if _CONFIGURATION not in own:
         return own
     config = read(own[_CONFIGURATION])
     return {name: _absolute(value, config.path.parent) for name, value in config.options.items()} | own
+
+
+def _own(scenario: Scenario) -> dict[str, str]:
+    """SUMO options of a scenario by their long names."""
+    own: dict[str, str] = {}
+    last = ""
+    for word in scenario.sumo_options:
+        name = word.lstrip("-")
+        if word.startswith("-") and not name[:1].isdigit():  # else a negative number
+            name, _, value = name.partition("=")
+            last = _SHORT.get(name, name)
+            own[last] = value
+        else:
+            own[last] = word
+    return own
+
+
+def switches(scenario: Scenario) -> dict[str, str]:
+    """SUMO options of a scenario that name no file; those in a configuration are told by that file."""
+    return {k: v for k, v in sorted(_own(scenario).items()) if not any(Path(part).is_file() for part in _split(v))}
 
 
 def _absolute(value: str, folder: Path) -> str:

@@ -105,3 +105,13 @@ def test_every_factor_of_a_specification_changes_the_id():
         factors = {"scenario": ("w0",), "strategy": ("staged",)} | {name: pair}
         for one, two in pairwise(ids(factors)):
             assert one.rpartition("-")[2] != two.rpartition("-")[2], name
+
+
+def test_options_of_a_scenario_are_in_its_ids():
+    w0 = W0.scenario
+    other = known(replace(w0, options=(*w0.options, "--time-to-teleport", "-1")))
+    assert W0.made_of["options"] == {"lateral-resolution": "0.35", "time-to-teleport": "90"}
+    assert other.made_of["options"] == {"lateral-resolution": "0.35", "time-to-teleport": "-1"}
+    assert other.teleport_after == float("inf")
+    short = tuple({"--net-file": "-n", "--additional-files": "-a"}.get(word, word) for word in w0.options)
+    assert known(replace(w0, options=short)).made_of == W0.made_of
