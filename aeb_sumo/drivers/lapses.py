@@ -10,7 +10,7 @@ from heapq import heapify, heappop, heappush
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.parameters import check, within
@@ -58,7 +58,7 @@ class Glances:
     def lapses(self, draw: np.random.Generator, driver: str) -> Iterator[Lapse]:  # noqa: ARG002
         """One driver's lapses, on his clock from departure."""
         # For a median of 2 s or more, half of the glances are longer than that whatever is asked for.
-        sigma = max(np.log(2.0 / self.median) / norm.isf(self.over_two), 0.05)
+        sigma = max(np.log(2.0 / self.median) / -ndtri(self.over_two), 0.05)
         mean_off = self.median * np.exp(sigma**2 / 2)
         mean_on = mean_off * (1 - self.share) / self.share if self.share > 0 else np.inf
         log_median = np.log(self.median)
