@@ -1,5 +1,6 @@
 """A campaign on a Dask cluster: each of its workers does what `execute` does here."""
 
+import asyncio
 import logging
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -9,6 +10,7 @@ from typing import Any
 from aeb_sumo.campaign.execute import Outcome, execute
 from aeb_sumo.campaign.identity import code
 from aeb_sumo.errors import InputError
+from aeb_sumo.results.place import one_line
 
 __all__ = ["cluster", "execute_there"]
 
@@ -32,17 +34,32 @@ def cluster(address: str) -> "Iterator[tuple[Executor, int]]":
     except ImportError:
         raise InputError("--scheduler needs Dask: pip install 'aeb-sumo[distributed]'") from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it has to say is said here, in one line
+    connect: Any = Client  # Dask's is typed in part
     try:
-        connect: Any = Client  # Dask's is typed in part
+        asyncio.run(asyncio.wait_for(_answer(address), _PATIENCE))
         client = connect(address, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError) as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"--scheduler {address} cannot be reached: {reason}") from None
+    except Exception as error:  # whatever its transport raises
+        raise InputError(
+            f"--scheduler {address} cannot be reached: {one_line(error)}; allowed: tcp://HOST:PORT of a Dask scheduler"
+        ) from None
     try:
         _check(client, address)
         yield client.get_executor(pure=False), sum(client.nthreads().values())
     finally:
         client.close()
+
+
+async def _answer(address: str) -> None:
+    """A scheduler is there. A client would try to reach what is none for ever, or end with many lines."""
+    from distributed import Security  # noqa: PLC0415
+    from distributed.core import rpc  # noqa: PLC0415
+
+    secured: Any = Security()
+    reach: Any = rpc
+    async with reach(address, connection_args=secured.get_connection_args("client")) as there:
+        kind = (await there.identity())["type"]
+    if kind != "Scheduler":
+        raise ValueError(f"it is a {kind.lower()}")
 
 
 def _check(client: Any, address: str) -> None:

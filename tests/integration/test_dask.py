@@ -1,6 +1,7 @@
 """A campaign on a Dask cluster: a real scheduler and two workers, processes of their own on the loopback."""
 
 import hashlib
+import re
 import signal
 import socket
 import subprocess
@@ -114,15 +115,41 @@ def test_a_campaign_that_ends_leaves_no_run_on_the_cluster(cluster, tmp_path, en
     assert not tables(tmp_path / "out")
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "tcp://no.such.host.invalid:8786"])
-def test_a_scheduler_that_cannot_be_reached_is_one_line_and_touches_nothing(tmp_path, monkeypatch, address):
-    monkeypatch.setattr("aeb_sumo.campaign.cluster._PATIENCE", 1.0)
-    (tmp_path / "spec.toml").write_text(SPEC.format(scenario="track", duration=8))
-    done = command("campaign", "spec.toml", "--out", "new", "--scheduler", address, cwd=tmp_path)
-    assert done.returncode == 2
+WRONG = [
+    "tcp://127.0.0.1:9", "tcp://no.such.host.invalid:8786", "nonsense", "tcp://127.0.0.1", "tcp://127.0.0.1:x",
+    "nonsense://127.0.0.1:9", "inproc://x", "tls://127.0.0.1:9", "ucx://127.0.0.1:9",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("address", WRONG)
+def test_a_scheduler_that_cannot_be_reached_is_one_line_and_touches_nothing(tmp_path, address):
+    refused(tmp_path, address)
+
+
+def test_what_does_not_speak_like_a_scheduler_is_none(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        refused(tmp_path, f"tcp://127.0.0.1:{silent.getsockname()[1]}")
+
+
+def test_a_worker_is_no_scheduler(cluster, tmp_path):
+    (address,) = re.findall(r"Start worker at: +(\S+)", (tmp_path / "dask/0/worker.log").read_text())
+    assert "it is a worker" in refused(tmp_path, address)
+
+
+def refused(folder: Path, address: str) -> str:
+    """The one line that a campaign says of a scheduler; in a process of its own, whose threads may have more to say."""
+    (folder / "spec.toml").write_text(SPEC.format(scenario="track", duration=8))
+    patience = "from aeb_sumo.campaign import cluster; cluster._PATIENCE = 1.0; from aeb_sumo.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", patience, "campaign", "spec.toml", "--out", "new", "--scheduler", address],
+        check=False, capture_output=True, text=True, cwd=folder, timeout=15,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
     (line,) = done.stderr.splitlines()
-    assert f"--scheduler {address} cannot be reached" in line
-    assert not (tmp_path / "new").exists()
+    assert line.startswith(f"aeb-sumo: --scheduler {address} cannot be reached: ")
+    assert line.endswith("; allowed: tcp://HOST:PORT of a Dask scheduler")
+    assert not (folder / "new").exists()
+    return line
 
 
 def test_a_cluster_has_its_own_number_of_workers(tmp_path):
