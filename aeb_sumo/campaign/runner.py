@@ -43,10 +43,12 @@ def split(jobs: Sequence[Job], out: str) -> Work:
 
 
 def payload(job: Job, out: str) -> dict[str, Any]:
-    """A job as plain values, as `execute` takes it."""
+    """A job as plain values, as `execute` takes it. Where it is executed, the present folder is another one."""
+    local = Place.of(out).local
+    out = out if local is None else str(local.absolute())
     return {
-        "run_id": job.run_id, "out": str(Place.of(out).local or out), "settings": job.settings.plain(),
-        "content": dict(job.content), "limit_s": job.limit_s,
+        "run_id": job.run_id, "out": out, "settings": job.settings.plain(), "content": dict(job.content),
+        "limit_s": job.limit_s,
     }  # fmt: skip
 
 
@@ -114,12 +116,18 @@ def _kept(outcome: Outcome, job: Job, out: str) -> Outcome:
         raise InputError(f"cannot write into {out}: {outcome.reason}; finished runs are kept: make room {_AGAIN}")
     if outcome.outcome == "mismatch":
         raise InputError(f"run {outcome.run_id} would be another one where it is executed: {outcome.reason}")
+    there = Place.of(out).holds("runs", job.run_id)
+    if outcome.in_tables and not there:
+        raise InputError(
+            f"run {job.run_id} was written where it was executed, but is not in {out} here; name a folder or URL that "
+            "all processes and machines share"
+        )
     if outcome.in_tables:
         return outcome
-    place = Place.of(out)
-    place.fs.invalidate_cache()
-    if place.fs.exists(place.path("runs", job.run_id)):  # what died had nothing left to do but to say so
-        return replace(outcome, outcome="completed", reason="", in_tables=True)
+    if there:  # what died had nothing left to do but to say so
+        reason = failed(out, [job]).get(job.run_id)
+        ended = "completed" if reason is None else "failed"
+        return replace(outcome, outcome=ended, reason=reason or "", in_tables=True)
     commit_failure(out, row_of(job.run_id, job.settings, outcome.reason))
     return outcome
 

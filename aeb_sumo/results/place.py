@@ -88,6 +88,21 @@ class Place:
             raise InputError(f"cannot list {self.name}: {one_line(error)}") from None
         return {name.removesuffix(SUFFIX) for name in names if name.endswith(SUFFIX) and not name.startswith(".")}
 
+    def holds(self, table: str, run_id: str) -> bool:
+        """Whether a run has a file in a table.
+
+        Raises:
+            InputError: the place cannot be asked.
+        """
+        try:
+            self.fs.invalidate_cache(self.path(table))
+            self.fs.info(self.path(table, run_id))
+        except FileNotFoundError:
+            return False
+        except Exception as error:  # whatever its package raises
+            raise InputError(f"cannot list {self.name}: {one_line(error)}") from None
+        return True
+
     def remove(self, table: str, run_id: str) -> None:
         """Remove the file of a run, if it is there.
 

@@ -19,11 +19,12 @@ import pytest
 import analysis
 from aeb_sumo.campaign.execute import Outcome, execute
 from aeb_sumo.campaign.expansion import expand
+from aeb_sumo.campaign.failure import row_of
 from aeb_sumo.campaign.lock import locked
 from aeb_sumo.campaign.runner import execute_all, payload
 from aeb_sumo.campaign.spec import read
 from aeb_sumo.errors import InputError
-from aeb_sumo.results import TABLES, finished
+from aeb_sumo.results import TABLES, commit_failure, finished
 from aeb_sumo.results.command import arguments
 from tests.helpers import command
 
@@ -446,6 +447,30 @@ def test_a_process_that_dies_when_all_is_written_has_lost_nothing(reference, tmp
         outcomes = execute_all(expand(read(spec)), str(tmp_path / "out"), executor)
     assert {each.outcome for each in outcomes} == {"completed"}
     assert tables(tmp_path / "out").items() <= tables(reference).items()
+
+
+def test_a_process_that_dies_when_its_failure_is_written_has_failed(tmp_path, spec):
+    spec.write_text(SPEC.format(seeds=[1]))
+    (job, _) = expand(read(spec))
+    out = str(tmp_path / "out")
+
+    def fail_and_die(told: dict[str, object]) -> Outcome:
+        commit_failure(out, row_of(job.run_id, job.settings, "SUMO has had enough"))
+        return Outcome(run_id=str(told["run_id"]), outcome="failed", reason="its process was ended by SIGKILL (Killed)")
+
+    with ThreadPoolExecutor(1) as executor:
+        (outcome,) = execute_all([job], out, executor, how=fail_and_die)
+    assert (outcome.outcome, outcome.reason) == ("failed", "SUMO has had enough")
+
+
+def test_results_that_nobody_else_can_see_are_not_taken_for_done(tmp_path, spec):
+    spec.write_text(SPEC.format(seeds=[1]))
+    done = command("campaign", spec, "--out", "memory://study")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    reason = done.stderr.splitlines()[-1]
+    assert "was written where it was executed, but is not in memory://study here" in reason
+    assert reason.endswith("name a folder or URL that all processes and machines share")
 
 
 class DeadAtTheEnd(ThreadPoolExecutor):

@@ -79,8 +79,9 @@ def at_work(worker: "subprocess.Popen[bytes]") -> list[int]:
 
 
 def start(spec: Path, out: Path, address: str) -> "subprocess.Popen[str]":
-    words = [sys.executable, "-m", "aeb_sumo", "campaign", str(spec), "--out", str(out), "--scheduler", address]
-    return subprocess.Popen(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    """A campaign that names its files as seen from their folder, where no worker stands."""
+    words = [sys.executable, "-m", "aeb_sumo", "campaign", spec.name, "--out", out.name, "--scheduler", address]
+    return subprocess.Popen(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=spec.parent)
 
 
 def test_a_worker_that_dies_half_way_changes_nothing(cluster, tmp_path):
