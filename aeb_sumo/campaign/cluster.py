@@ -33,7 +33,8 @@ def cluster(address: str) -> "Iterator[tuple[Executor, int]]":
         from distributed import Client  # noqa: PLC0415 - an extra
     except ImportError:
         raise InputError("--scheduler needs Dask: pip install 'aeb-sumo[distributed]'") from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it has to say is said here, in one line
+    for name in ("distributed", "distributed.client"):  # what they have to say is said here, in one line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     connect: Any = Client  # Dask's is typed in part
     try:
         asyncio.run(asyncio.wait_for(_answer(address), _PATIENCE))

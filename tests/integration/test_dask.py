@@ -47,7 +47,7 @@ def dask(kind: str, *options: str, folder: Path) -> "subprocess.Popen[bytes]":
 
 @pytest.fixture
 def cluster(tmp_path):
-    """Address of a scheduler, and its two workers."""
+    """Address of a scheduler, its process, and those of its two workers."""
     folder = tmp_path / "dask"
     folder.mkdir()
     with socket.socket() as probe:
@@ -61,7 +61,7 @@ def cluster(tmp_path):
         place.mkdir()
         processes.append(dask("worker", address, *local, "--nthreads", "1", "--no-nanny", folder=place))
     wait_for(lambda: all(b"Registered to" in (folder / str(k) / "worker.log").read_bytes() for k in range(2)))
-    yield address, processes[1:]
+    yield address, processes[0], processes[1:]
     for process in reversed(processes):
         process.kill()
         process.wait()
@@ -85,7 +85,7 @@ def start(spec: Path, out: Path, address: str) -> "subprocess.Popen[str]":
 
 
 def test_a_worker_that_dies_half_way_changes_nothing(cluster, tmp_path):
-    address, workers = cluster
+    address, _, workers = cluster
     spec = tmp_path / "spec.toml"
     spec.write_text(SPEC.format(scenario="track", duration=8))
     here = command("campaign", spec, "--out", tmp_path / "here", "--quiet")
@@ -103,7 +103,7 @@ def test_a_worker_that_dies_half_way_changes_nothing(cluster, tmp_path):
 
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
 def test_a_campaign_that_ends_leaves_no_run_on_the_cluster(cluster, tmp_path, end):
-    address, workers = cluster
+    address, _, workers = cluster
     spec = tmp_path / "spec.toml"
     spec.write_text(SPEC.format(scenario="w0", duration=3600))
     campaign = start(spec, tmp_path / "out", address)
@@ -114,6 +114,23 @@ def test_a_campaign_that_ends_leaves_no_run_on_the_cluster(cluster, tmp_path, en
     wait_for(lambda: not any(at_work(worker) for worker in workers), 20)
     assert not finished(tmp_path / "out")
     assert not tables(tmp_path / "out")
+
+
+def test_a_scheduler_that_dies_is_one_line_and_loses_nothing(cluster, tmp_path):
+    address, scheduler, _ = cluster
+    spec = tmp_path / "spec.toml"
+    spec.write_text(SPEC.format(scenario="track", duration=8))
+    campaign = start(spec, tmp_path / "out", address)
+    kept = wait_for(lambda: finished(tmp_path / "out"))
+    scheduler.kill()
+    _, errors = campaign.communicate(timeout=60)
+    assert campaign.returncode == 2
+    (line,) = errors.splitlines()
+    assert "the executor of the runs is gone; finished runs are kept" in line
+    assert kept <= finished(tmp_path / "out")
+    done = command("campaign", spec, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "8 runs: 8 completed, 0 failed" in done.stdout
 
 
 WRONG = [
