@@ -179,5 +179,6 @@ def load(folder: str | Path, *, filters: Filters | None = None) -> Dataset:
     if runs.empty and died.empty:
         raise InputError(f"no run in {folder} matches {filters!r}")
     if runs.empty:
-        raise InputError(f"all {len(died)} runs in {folder} died: {', '.join(sorted(set(died['reason'])))}")
+        which = f" that match {filters!r}" if filters else ""
+        raise InputError(f"all {len(died)} runs in {folder}{which} died: {', '.join(sorted(set(died['reason'])))}")
     return Dataset.of_stored(stored.only(runs["run_id"]), runs=runs, died=died)

@@ -1,5 +1,7 @@
 """Printing: tables on the terminal."""
 
+from collections.abc import Iterator
+
 import pandas as pd
 from pandas.api.types import is_integer_dtype
 from rich.console import Console
@@ -9,6 +11,7 @@ __all__ = ["console", "print_effect", "print_frame", "print_groups", "print_pair
 
 _CHANGE = ("difference", "low", "high", "percent")
 _WIDTH = 110  # of the output where there is no terminal to ask
+_LABEL, _COLUMN = 24, 16  # of a table with a column per group, our assumption: narrower, no name can be read
 
 
 def console(width: int = _WIDTH) -> Console:
@@ -18,33 +21,44 @@ def console(width: int = _WIDTH) -> Console:
 
 
 def print_summary(frame: pd.DataFrame, title: str) -> None:
-    """Print a summary: one line per figure, a rule between sections."""
-    table = Table(title=title, title_justify="left")
-    table.add_column("figure")
-    for column in frame.columns:
-        table.add_column(str(column), justify="right")
-    before = ""
-    for (section, figure, unit), (_, row) in zip(frame.index.to_list(), frame.iterrows(), strict=True):
-        if before and section != before:
-            table.add_section()
-        before = section
-        label = f"{figure} [{unit}]".replace("[", r"\[") if unit else figure
-        cells = [_cell(v, whole=not unit, sign=c == "difference") for c, v in row.items()]
-        table.add_row(label, *cells)
-    console().print(table)
+    """Print a summary: one line per figure, a rule between sections; many groups in several tables."""
+    for some in _side_by_side(frame):
+        table = _table("figure", [str(column) for column in some.columns], title)
+        before = ""
+        for (section, figure, unit), (_, row) in zip(some.index.to_list(), some.iterrows(), strict=True):
+            if before and section != before:
+                table.add_section()
+            before = section
+            label = f"{figure} [{unit}]".replace("[", r"\[") if unit else figure
+            cells = [_cell(v, whole=not unit, sign=c == "difference") for c, v in row.items()]
+            table.add_row(label, *cells)
+        console().print(table)
 
 
 def print_frame(frame: pd.DataFrame, title: str) -> None:
     """Print a table of the analysis as it is, turned so that its columns, which are many, become lines."""
-    turned = frame.T
+    for some in _side_by_side(frame.T):
+        names = [" ".join(column) if isinstance(column, tuple) else str(column) for column in some.columns]
+        table = _table("", names, title)
+        for name, row in some.iterrows():
+            whole = name in {"count", "arrived", "pending"} or is_integer_dtype(frame[name])
+            table.add_row(str(name), *(_cell(v, whole=whole, sign=False) for v in row))
+        console().print(table)
+
+
+def _side_by_side(frame: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    """As many columns at a time as can be read beside each other."""
+    at_once = max(1, (console().width - _LABEL) // _COLUMN)
+    for first in range(0, len(frame.columns), at_once):
+        yield frame.iloc[:, first : first + at_once]
+
+
+def _table(first: str, names: list[str], title: str) -> Table:
     table = Table(title=title, title_justify="left")
-    table.add_column("")
-    for column in turned.columns:
-        table.add_column(" ".join(column) if isinstance(column, tuple) else str(column), justify="right")
-    for name, row in turned.iterrows():
-        whole = name in {"count", "arrived", "pending"} or is_integer_dtype(frame[name])
-        table.add_row(str(name), *(_cell(v, whole=whole, sign=False) for v in row))
-    console().print(table)
+    table.add_column(first)
+    for name in names:
+        table.add_column(name, justify="right", overflow="fold")
+    return table
 
 
 def print_groups(frame: pd.DataFrame, title: str) -> None:

@@ -119,5 +119,8 @@ def _term(table: str, condition: tuple[str, str, Any]) -> pc.Expression:
             raise InputError(f"filter {condition!r}: column {name} of {table} is of type {dtype}")
     field = pc.field(name)
     arrow = TABLES[table].arrow().field(name).type
-    own = pa.array([v.item() if hasattr(v, "item") else v for v in values], arrow)
+    try:
+        own = pa.array([v.item() if hasattr(v, "item") else v for v in values], arrow)
+    except (OverflowError, pa.ArrowInvalid):
+        raise InputError(f"filter {condition!r}: too large a number for column {name} of {table}") from None
     return _OPERATORS[operator](field, own if operator in _LISTS else own[0]) & ~field.is_null(nan_is_null=True)

@@ -200,6 +200,9 @@ def test_files_of_another_version_are_refused_when_they_are_read(tmp_path, kept)
         ("crashes", None, [("time_s", "<", "3")], "column time_s of crashes is of type float64"),
         ("crashes", None, [("crash_id", "==", 1.5)], "column crash_id of crashes is of type int64"),
         ("crashes", None, [("crash_id", "==", True)], "column crash_id of crashes is of type int64"),
+        ("crashes", None, [("crash_id", "<", 2**70)], "too large a number for column crash_id of crashes"),
+        ("crashes", None, [("crash_id", "in", [1, 2**70])], "too large a number for column crash_id of crashes"),
+        ("crashes", None, [("time_s", "<", 2**70)], "too large a number for column time_s of crashes"),
         ("crashes", None, [("secondary", "==", 1)], "column secondary of crashes is of type bool"),
     ],
 )
@@ -247,5 +250,12 @@ def test_runs_that_died_are_told_apart_and_change_nothing(tmp_path, kept):
 
 def test_runs_that_all_died_are_no_data_set(tmp_path):
     commit_failure(tmp_path, {"run_id": "a", "reason": "hung"})
-    with pytest.raises(InputError, match=r"all 1 runs in .* died: hung"):
+    with pytest.raises(InputError, match=r"all 1 runs in .*runs_that_all_died\w* died: hung"):
         analysis.load(tmp_path)
+
+
+def test_runs_that_died_do_not_speak_for_those_that_were_not_asked_for(tmp_path, kept):
+    put(kept, tmp_path)
+    commit_failure(tmp_path, {"run_id": "a", "seed": 77, "reason": "hung"})
+    with pytest.raises(InputError, match=r"all 1 runs in .* that match \[\('seed', '==', 77\)\] died: hung"):
+        analysis.load(tmp_path, filters=[("seed", "==", 77)])
