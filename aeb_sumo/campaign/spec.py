@@ -1,5 +1,6 @@
 """What a campaign is: a TOML file with the factors that are varied, and what all runs have in common."""
 
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -15,6 +16,8 @@ __all__ = ["Common", "Spec", "read"]
 
 SEEDS = (0, 2**31 - 1)
 _MOST_SEEDS = 1_000_000
+_SEEDS = "whole numbers within 0 .. 2147483647, or FIRST..LAST such as '1..20', a million at most"
+_LARGEST = sys.float_info.max
 
 Value = str | int | float | bool
 
@@ -67,9 +70,9 @@ def _number(low: float, high: float, *, open_below: bool = False) -> Callable[[A
     allowed = "a number above 0" if open_below else allowed
 
     def check(value: Any) -> str:
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > _LARGEST:
             return allowed
-        inside = (low < value if open_below else low <= value) and value <= high and abs(value) < np.inf
+        inside = (low < value if open_below else low <= value) and value <= high
         return "" if inside else allowed
 
     return check
@@ -77,7 +80,7 @@ def _number(low: float, high: float, *, open_below: bool = False) -> Callable[[A
 
 def _seed(value: Any) -> str:
     whole = isinstance(value, int) and not isinstance(value, bool) and SEEDS[0] <= value <= SEEDS[1]
-    return "" if whole else "whole numbers within 0 .. 2147483647, or FIRST..LAST such as '1..20'"
+    return "" if whole else _SEEDS
 
 
 FACTORS: dict[str, Callable[[Any], str]] = {
@@ -163,7 +166,7 @@ def _seeds(path: Path, text: str) -> tuple[int, ...]:
     first, dots, last = (part.strip() for part in text.partition(".."))
     numbers = first.isdecimal() and last.isdecimal() and max(len(first), len(last)) < 11
     if not dots or not numbers or not 0 <= int(last) - int(first) < _MOST_SEEDS:
-        raise _refusal(path, "[factors] seed", f"cannot be {text!r}", _seed(None))
+        raise _refusal(path, "[factors] seed", f"cannot be {text!r}", _SEEDS)
     return tuple(range(int(first), int(last) + 1))
 
 

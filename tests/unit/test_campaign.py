@@ -236,6 +236,12 @@ WRONG = [
     ("[factors]\nscenario = 'w0'\nstrategy = 'none'\npenetration = [0.5, 0.50]\n", "has 0.5 twice"),
     ("[factors]\nscenario = 'w0'\nstrategy = 'none'\ndemand = 0\n", "demand cannot be 0; allowed: a number above 0"),
     ("[factors]\nscenario = 'w0'\nstrategy = 'none'\ndemand = nan\n", "demand cannot be nan"),
+    ("[factors]\nscenario = 'w0'\nstrategy = 'none'\ndemand = inf\n", "demand cannot be inf"),
+    (f"[factors]\nscenario = 'w0'\nstrategy = 'none'\ndemand = 1{'0' * 400}\n", "demand cannot be 1000"),
+    (
+        f"[factors]\nscenario = 'w0'\nstrategy = 'none'\n[run]\nduration_s = 1{'0' * 400}\n",
+        "[run] duration_s cannot be 1000",
+    ),
     ("[factors]\nscenario = 'track'\nstrategy = 'none'\ndemand = 2\n", "[factors] demand: track has no flows"),
     (
         "[factors]\nscenario = 'highway'\nstrategy = 'none'\nebike_share = 0.5\n",
@@ -258,6 +264,7 @@ WRONG = [
     ("[factors]\nscenario = 'w0'\nstrategy = 'none'\nseed = 1.5\n", "[factors] seed cannot be 1.5"),
     ("[factors]\nscenario = 'w0'\nstrategy = 'none'\nseed = '5..1'\n", "[factors] seed cannot be '5..1'"),
     ("[factors]\nscenario = 'w0'\nstrategy = 'none'\nseed = 'a..b'\n", "[factors] seed cannot be 'a..b'"),
+    ("[factors]\nscenario = 'w0'\nstrategy = 'none'\nseed = '0..1000000'\n", "'1..20', a million at most"),
     (
         "[factors]\nscenario = 'w0'\nstrategy = 'none'\n[run]\nduration = 5\n",
         "[run] duration is unknown; allowed: duration_s",
