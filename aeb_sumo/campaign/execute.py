@@ -175,5 +175,5 @@ def _death(status: int, messages: bytes) -> str:
     last = f": {lines[-1]}" if lines else ""
     if status >= 0:
         return f"its process ended with status {status}{last}"
-    number = signal.Signals(-status)
-    return f"its process was ended by {number.name} ({signal.strsignal(number)}){last}"
+    name = next((each.name for each in signal.Signals if each == -status), f"signal {-status}")
+    return f"its process was ended by {name} ({signal.strsignal(-status)}){last}"

@@ -47,7 +47,7 @@ def contents(out: str) -> dict[str, Mapping[str, Any]] | None:
     place = Place.of(out)
     try:
         text = place.local.joinpath(NAME).read_bytes() if place.local else place.fs.cat_file(place.path("") + NAME)
-    except (FileNotFoundError, NotADirectoryError):
+    except FileNotFoundError:
         return None
     except Exception as error:  # whatever the package of a file system raises
         raise InputError(f"cannot read {out}/{NAME}: {getattr(error, 'strerror', None) or error}") from None

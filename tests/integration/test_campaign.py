@@ -167,12 +167,14 @@ def test_a_folder_of_something_else_is_refused(reference, tmp_path, spec, change
     assert {path: path.stat().st_mtime_ns for path in out.rglob("*")} == before
 
 
-def test_a_folder_that_is_a_file_or_cannot_be_made_is_one_line(tmp_path, spec):
+@pytest.mark.parametrize("option", [(), ("--dry-run",)])
+def test_a_folder_that_is_a_file_or_lies_in_one_is_one_line(tmp_path, spec, option):
     (tmp_path / "file").write_text("precious")
     for out in (tmp_path / "file", tmp_path / "file" / "in"):
-        done = command("campaign", spec, "--out", out)
+        done = command("campaign", spec, "--out", out, *option)
         assert done.returncode == 2
-        assert len(done.stderr.splitlines()) == 1
+        (line,) = done.stderr.splitlines()
+        assert line == f"aeb-sumo: cannot read {out}/campaign.json: Not a directory"
     assert (tmp_path / "file").read_text() == "precious"
 
 
@@ -289,6 +291,18 @@ def test_a_run_whose_process_dies_is_a_row_and_the_campaign_goes_on(reference, t
     retried = command("campaign", spec, "--out", out, "--retry-failed")
     assert retried.returncode == 0, retried.stderr
     assert tables(out) == tables(reference)
+
+
+@pytest.mark.parametrize(("number", "name"), [(signal.SIGABRT, "SIGABRT (Aborted)"), (40, "signal 40 (Real-time")])
+def test_a_process_that_is_ended_by_any_signal_is_a_row_that_says_so(tmp_path, spec, number, name):
+    job = payload(expand(read(spec))[0], str(tmp_path / "out"))
+    with ThreadPoolExecutor(1) as executor:
+        future = executor.submit(execute, job)
+        (worker,) = wait_for(lambda: workers(os.getpid()))
+        os.kill(worker, number)
+        outcome = future.result(60)
+    assert outcome.outcome == "failed"
+    assert outcome.reason.startswith(f"its process was ended by {name}")
 
 
 def test_a_run_that_takes_too_long_is_killed(tmp_path, spec):
