@@ -1,7 +1,9 @@
 """Makes inputs for tests, and runs the command."""
 
+import resource
 import sys
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
@@ -53,3 +55,14 @@ def command(*arguments: object, cwd: Path | None = None) -> SimpleNamespace:
         except SystemExit as end:
             status = int(end.code or 0)
     return SimpleNamespace(returncode=status, stdout=out.getvalue(), stderr=err.getvalue())
+
+
+@contextmanager
+def full_disk(size: int) -> Iterator[None]:
+    """For this process no file can be larger than so many bytes: like a full disk."""
+    _, hard = before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)

@@ -27,6 +27,7 @@ from analysis.forecast import difference_half_width, forecast
 __all__ = ["plan"]
 
 _MILLION = 1e6  # km that rates are of
+_SHORTEST = 1.0  # s of a pilot run, our assumption: some steps in each of its parts
 _FEW = 10  # crashes, below which a note says how little is known, our assumption
 
 
@@ -61,8 +62,8 @@ class _Group:
 @click.option("--quiet", is_flag=True, help="No progress bar.")
 def plan(spec: Path, have: str | None, pilot: float, workers: int | None, quiet: bool) -> int:
     """Say what the campaign SPEC will cost, and how much it will tell, before it is started."""
-    if not 0 < pilot < np.inf:
-        raise InputError(f"--pilot must be a positive number of seconds, not {pilot:g}")
+    if not _SHORTEST <= pilot < np.inf:
+        raise InputError(f"--pilot must be {_SHORTEST:g} seconds or more, not {pilot:g}")
     jobs = by_group(expand(read(spec)))
     known = {} if have is None else _known(have)
     there = set() if have is None else finished(have)

@@ -35,7 +35,9 @@ class _File:
     def __init__(self, path: Path, table: str, run_id: str, row_group: int) -> None:
         self.path, self._table, self._run_id, self._row_group = path, table, run_id, row_group
         path.parent.mkdir(parents=True, exist_ok=True)
+        path.unlink(missing_ok=True)  # whoever still writes the run there writes into a file of its own
         self._file: IO[bytes] = path.open("wb")
+        self._stat = os.fstat(self._file.fileno())
         self._parquet = pq.ParquetWriter(self._file, TABLES[table].arrow())
         self._waiting: list[pa.RecordBatch] = []
         self._count = 0
@@ -65,7 +67,14 @@ class _File:
         self._parquet.is_open = False  # a full disk does not take the end of the file either
         with suppress(OSError):
             self._file.close()
-        self.path.unlink(missing_ok=True)
+        if self.is_own():
+            self.path.unlink(missing_ok=True)
+
+    def is_own(self) -> bool:
+        """Whether what lies there is this file, not that of another process that has begun the same run since."""
+        with suppress(OSError):
+            return os.path.samestat(self._stat, self.path.stat())
+        return False
 
 
 class Writer:
@@ -133,6 +142,8 @@ class Writer:
         with self._reporting():
             for file in self._files.values():
                 file.close()
+            if not all(file.is_own() for file in self._files.values()):
+                raise InputError(f"another process writes run {self.run_id} into {self._place.name}")
             # Between two runs of one id there is none.
             self._place.remove("runs", self.run_id)
             for name, file in self._files.items():

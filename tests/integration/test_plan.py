@@ -83,8 +83,8 @@ def test_what_runs_do_not_tell_is_piloted(folder, tmp_path):
     ("arguments", "reason"),
     [
         (("--have", "nowhere"), "--have nowhere holds no campaign"),
-        (("--pilot", "0"), "--pilot must be a positive number of seconds"),
-        (("--pilot", "nan"), "--pilot must be a positive number of seconds"),
+        (("--pilot", "0.9"), "--pilot must be 1 seconds or more, not 0.9"),
+        (("--pilot", "nan"), "--pilot must be 1 seconds or more, not nan"),
     ],
 )
 def test_bad_options_are_one_line(tmp_path, arguments, reason):

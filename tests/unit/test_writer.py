@@ -12,6 +12,7 @@ import pytest
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES, Results, commit_failure, finished, holds_results, read, write
 from aeb_sumo.results.writer import ROW_GROUP, Writer
+from tests.helpers import full_disk
 
 RUN = {"strategy": "none", "outcome": "completed"}
 
@@ -78,6 +79,23 @@ def test_leftovers_of_a_run_that_was_killed_are_ignored_and_overwritten(tmp_path
     assert not list(tmp_path.rglob("*.partial"))
 
 
+@pytest.mark.parametrize("committed", [True, False])
+def test_of_two_processes_that_write_one_run_the_one_that_began_last_has_it(tmp_path, committed):
+    late = Writer(tmp_path, "a", row_group=1)  # its campaign was killed, and it has not noticed yet
+    late.put("conflicts", batch(1))
+    with Writer(tmp_path, "a", row_group=1) as writer:
+        writer.put("conflicts", batch(2))
+        late.put("conflicts", batch(9))
+        if committed:
+            with pytest.raises(InputError, match="another process writes run a into"):
+                late.commit(RUN)
+        late.discard()
+        writer.put("conflicts", batch(1))
+        writer.commit(RUN)
+    assert read(tmp_path).conflicts["conflict_id"].tolist() == [0, 1, 0]
+    assert files(tmp_path) == sorted(f"{name}/a.parquet" for name in TABLES)
+
+
 def test_a_run_that_is_made_again_is_replaced_as_a_whole(place):
     write(Results.of({"runs": [{"run_id": "a", "seed": 1}], "conflicts": [{"run_id": "a"}] * 2}), place)
     write(Results.of({"runs": [{"run_id": "a", "seed": 2}], "crashes": [{"run_id": "a"}]}), place)
@@ -87,22 +105,19 @@ def test_a_run_that_is_made_again_is_replaced_as_a_whole(place):
 
 
 def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path):
-    folder = tmp_path / "conflicts"
-    folder.mkdir()
-    (folder / ".a.parquet.partial").symlink_to("/dev/full")
-    with pytest.raises(InputError) as error:  # noqa: PT012
+    with full_disk(20_000), pytest.raises(InputError) as error:  # noqa: PT012
         writer = Writer(tmp_path, "a")
         for _ in range(50):
             writer.put("conflicts", batch(ROW_GROUP))
-    assert str(error.value) == f"cannot write results into {tmp_path}: No space left on device"
+    assert str(error.value) == f"cannot write results into {tmp_path}: File too large"
     assert files(tmp_path) == []
 
 
 def test_a_disk_that_is_full_at_the_end_leaves_nothing_but_the_runs_before(tmp_path):
     write(Results.of({"runs": [{"run_id": "before"}]}), tmp_path)
     kept = files(tmp_path)
-    (tmp_path / "traffic" / ".a.parquet.partial").symlink_to("/dev/full")
-    with Writer(tmp_path, "a") as writer, pytest.raises(InputError, match="No space left"):
+    largest = max((tmp_path / name).stat().st_size for name in kept)
+    with full_disk(largest - 1), Writer(tmp_path, "a") as writer, pytest.raises(InputError, match="File too large"):
         writer.commit(RUN)
     assert files(tmp_path) == kept
 
