@@ -1,5 +1,7 @@
 """One world and all who act in it, a step at a time: observe -> perception -> strategy -> brake -> override."""
 
+import numpy as np
+
 from aeb_sumo.equipment import Equipment, System
 from aeb_sumo.fleet import Fleet, Target
 from aeb_sumo.fleets import Fleets
@@ -8,13 +10,13 @@ from aeb_sumo.scenarios import Scenario
 from aeb_sumo.world.buildings import walls
 from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import Session
 from aeb_sumo.world.sightlines import Sightlines
-from aeb_sumo.world.surroundings import Leads
 from aeb_sumo.world.violations import Violations
 from aeb_sumo.world.walkers import Walkers
 from aeb_sumo.world.wrecks import Crash, Wrecks
@@ -33,6 +35,7 @@ class Engine:
         scenario: what it simulates.
         carried: who has which AEB.
         blockage: how long wrecks stand [s].
+        every: read every vehicle in every step, and not only those that matter: slow, and the same.
 
     Attributes:
         traffic, leads, paths, friction, motorists, fleet, wrecks, override: the parts that can be looked at.
@@ -41,15 +44,18 @@ class Engine:
         acting: slots whose AEB warns or brakes in the coming step, with their targets.
     """
 
-    def __init__(self, session: Session, scenario: Scenario, carried: Equipment, blockage: float) -> None:
+    def __init__(
+        self, session: Session, scenario: Scenario, carried: Equipment, blockage: float, *, every: bool = False
+    ) -> None:
         self.session = session
         self._carried = carried
         network = Network()
-        self.traffic = Traffic(session.dt)
+        self.traffic = Traffic(session.dt, every=every)
         self.friction = Friction(self.traffic, scenario.mu, scenario.stretches)
         self.override = Override(self.traffic, self.friction)
         self.wrecks = Wrecks(self.traffic, network, session.sublane, blockage)
-        self.leads = Leads(self.traffic)
+        systems = carried.systems or (System.of("none"),)
+        self.leads = Leads(self.traffic, min(s.suite.search for s in systems))
         self.paths = Paths(self.traffic, network)
         self._walkers = Walkers(self.traffic, network)
         self._sightlines = Sightlines(self.traffic, walls())
@@ -61,10 +67,7 @@ class Engine:
         footpaths = Footpaths(self.traffic, self.paths, self._walkers)
         world = self.traffic, self.leads, self.paths, footpaths, self._sightlines, self.friction
         self.fleet = Fleets(
-            {
-                s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=session.seed)
-                for s in carried.systems or (System.of("none"),)
-            }
+            {s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=session.seed) for s in systems}
         )
         self.time = session.begin
         self.crashes: list[Crash] = []
@@ -91,13 +94,25 @@ class Engine:
             system = self._carried.of(t.ids[slot], vtype=t.vtype[slot], vclass=t.vclass[slot], seed=self.session.seed)
             fleet.depart(slot, system.name if system else "")
             self.motorists.depart(slot, t.ids[slot], self.time)
+        self.leads.step()
+        self.paths.step()
+        self._follow()
         self.crashes = self.wrecks.step(self.time)
+
+    def _follow(self) -> None:
+        """Keep an eye on all who take part in what may happen; those near junctions are followed already."""
+        t, egos = self.traffic, self.leads.egos
+        if len(t.walkers):  # they may be anywhere
+            t.follow(t.present)
+            return
+        several = [egos, self.leads.lead[egos], self.fleet.busy, self.override.braking]
+        slots = np.concatenate([each for each in several if len(each)] or [egos])
+        if len(slots):
+            t.follow(slots[t.here[slots]])
 
     def decide(self) -> None:
         """What drivers and AEBs do in the coming step."""
         t, wrecked = self.traffic, self.wrecks.wrecked
-        self.leads.step()
-        self.paths.step()
         self.motorists.step(self.time, self.fleet.decel, wrecked)
         self._violations.step(self.motorists.attentive)
         self.fleet.step(self.time, wrecked)

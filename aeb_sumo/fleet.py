@@ -14,10 +14,10 @@ from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.sightlines import Sightlines
-from aeb_sumo.world.surroundings import Leads
 
 __all__ = ["Fleet", "Target"]
 
@@ -84,6 +84,7 @@ class Fleet:
         self._hold: Floats = np.zeros(0)
         self._targets: Targets | None = None
         self._rows: Ints = np.zeros(0, np.int64)
+        self._unfinished: Ints = np.zeros(0, np.int64)
 
     def depart(self, slot: int, *, equipped: bool) -> None:
         """A vehicle enters."""
@@ -105,16 +106,17 @@ class Fleet:
             time: now [s].
             disabled: per slot, vehicles whose AEB is out of action (wrecks).
         """
-        t, dt = self._traffic, self._traffic.dt
+        t = self._traffic
         self.fit()
         off = (self.equipped & disabled[: self._capacity]).nonzero()[0]
         if len(off):
             self._reset(off)
-        rows = (self.equipped & t.here & ~disabled).nonzero()[0]
+        rows = (self.equipped & t.here & ~disabled & t.followed).nonzero()[0]
         self.decel[:] = 0.0
         self.demand.phase[:] = Phase.NONE
         self.demand.decel[:] = 0.0
-        if not len(rows):
+        self._unfinished = rows[:0]
+        if not len(rows) and not self._lookout.remembers:
             self._rows, self._targets = rows, None
             return
         self.grip.step(rows)
@@ -132,6 +134,22 @@ class Fleet:
         self._rows, self._targets = rows, targets
         if not len(rows):
             return
+        self._act(rows, targets, time)
+        self._unfinished = rows[(self._last_phase[rows] > 0) | self._working(rows)]
+
+    @property
+    def busy(self) -> Ints:
+        """Slots of the vehicles that have to be followed whatever they meet.
+
+        Those with something to end, and all where friction is learnt from driving.
+        """
+        if self._strategy.estimates_friction:
+            return (self.equipped & self._traffic.here).nonzero()[0]
+        return self._unfinished
+
+    def _act(self, rows: Ints, targets: Targets, time: float) -> None:
+        """From what is perceived to what the brakes do."""
+        t, dt = self._traffic, self._traffic.dt
         percept = Percept(
             valid=targets.slot >= 0,
             gap=targets.gap,
@@ -242,11 +260,11 @@ class Fleet:
         for array in (self._aimed, self._aimed_gap, self._hold, self._last_phase, self._next, self.decel):
             array[rows] = 0
 
-    def fit(self) -> None:
-        """Make room for all slots."""
+    def fit(self) -> bool:
+        """Make room for all slots; whether there was too little."""
         n = self._traffic.capacity
         if n == self._capacity:
-            return
+            return False
         for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase", "_next"):
             setattr(self, name, fitted(getattr(self, name), n))
         old = np.arange(self._capacity)
@@ -259,3 +277,4 @@ class Fleet:
             put(grown, old, getattr(self, name))
             setattr(self, name, grown)
         self._capacity = n
+        return True

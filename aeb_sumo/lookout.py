@@ -83,6 +83,11 @@ class Lookout:
         self._absent: Floats = np.zeros(0)
         self._conflict: Floats = np.zeros(0)
 
+    @property
+    def remembers(self) -> bool:
+        """Whether there was anybody in the last step."""
+        return len(self._serials) > 0
+
     def step(self, rows: Ints, *, braking: Bools, time: float) -> tuple[Ints, Targets]:
         """Those of the vehicles in slots `rows` (rising) that have a target: their slots, rising, and their targets.
 

@@ -19,7 +19,8 @@ from aeb_sumo.drivers.reactions import Reaction, Response, Threat
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.world.observe import Traffic, VClasses
-from aeb_sumo.world.surroundings import Leads, demanding
+from aeb_sumo.world.leads import Leads
+from aeb_sumo.world.surroundings import demanding
 
 __all__ = ["Motorists", "Notice"]
 
@@ -83,6 +84,9 @@ class Motorists:
         self._until: Floats = np.zeros(0)  # attentive until [s]
         self._surprise: Floats = np.zeros(0)
         self._held: Floats = np.zeros(0)
+        self._least_surprise = min(
+            (m.surprise for m in (profile.cars, profile.trucks) if m is not None), default=np.inf
+        )
         self.noticed: list[Notice] = []
         self.heeded: set[int] = set()
         self.braked: set[int] = set()
@@ -153,6 +157,8 @@ class Motorists:
         self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
         self._heed(time)
+        # Who is about to do something else, or reacts, looks at the vehicle ahead now; it is no matter of searching.
+        self._look({*self._lapses.changed, *self._reacting, *self._warned_away()})
         self._glance()
         self._surprised(wrecked)
         self._react(time, wrecked)
@@ -177,6 +183,19 @@ class Motorists:
             return Glances.name if self._reacting[slot].late else "surprised"
         return Glances.name if self.away[slot] else ""
 
+    def _look(self, slots: set[int]) -> None:
+        """Read the vehicles in these slots, and those ahead of them."""
+        here = [slot for slot in sorted(slots) if self._traffic.here[slot]]
+        if here:
+            leads = (self._leads.now(slot)[0] for slot in here)
+            self._traffic.read(np.array([*here, *(lead for lead in leads if lead >= 0)]))
+
+    def _warned_away(self) -> list[int]:
+        """Slots of drivers whose eyes are off the road, and whom a warning calls back."""
+        if self._profile.warned is None or not self._until.any():
+            return []
+        return (self.away & self.attentive).nonzero()[0].tolist()
+
     def _model(self, slot: int) -> Reaction | None:
         return self._profile.trucks if self._traffic.vclass[slot] in VClasses.HEAVY else self._profile.cars
 
@@ -189,13 +208,14 @@ class Motorists:
             if time >= alert.due:  # also when the warning has ended meanwhile
                 self._until[slot] = time + warned.attention
                 del self._alerts[slot]
-        self.attentive[:] = self._until > time
+        if self._until.any():
+            self.attentive[:] = self._until > time
 
     def _glance(self) -> None:
         t, calm = self._traffic, self._profile.glances
         if calm is None:
             return
-        warned = np.flatnonzero(self.away & self.attentive).tolist()
+        warned = self._warned_away()
         self.heeded.update(warned)
         for slot in [*self._lapses.looked_back, *warned]:
             if self.away[slot]:
@@ -204,7 +224,7 @@ class Motorists:
         for slot in self._lapses.looked_away:
             # A short glance may have ended within the same step.
             busy = slot in self._reacting or not self._lapses.on[slot, self._lapses.glance]
-            if busy or not t.here[slot] or demanding(t, self._leads, slot, calm):
+            if busy or not t.here[slot] or demanding(t, slot, *self._leads.now(slot), calm):
                 continue
             if self.attentive[slot]:
                 self.heeded.add(slot)
@@ -214,18 +234,24 @@ class Motorists:
 
     def _look_back(self, slot: int) -> None:
         """The eyes are on the road again: is there something to react to?"""
-        lead = int(self._leads.lead[slot])
+        lead, _ = self._leads.now(slot)
         if lead >= 0 and self._same_way(slot, lead) and self._sees(slot, lead):
             self._reacting[slot] = _Reacting(self._traffic.serial[lead], True, self._held[slot])
 
     def _surprised(self, wrecked: Bools) -> None:
         """Followers of those who brake harder than anyone expects."""
         t = self._traffic
-        rows = t.present[t.driven[t.present]]
-        lead = self._leads.lead[rows]
-        hard = (lead >= 0) & (t.accel[np.maximum(lead, 0)] < -self._surprise[rows])
-        for slot, ahead in zip(rows[hard].tolist(), lead[hard].tolist(), strict=True):
-            if slot not in self._reacting and not (self.away[slot] or wrecked[slot]) and self._same_way(slot, ahead):
+        braking = (t.followed & t.here & (t.accel < -self._least_surprise)).nonzero()[0]
+        if not len(braking):
+            return
+        rows = self._leads.behind(set(braking.tolist()))
+        rows = [
+            s for s in rows[t.driven[rows]].tolist() if s not in self._reacting and not (self.away[s] or wrecked[s])
+        ]
+        self._look(set(rows))
+        for slot in rows:
+            ahead, _ = self._leads.now(slot)
+            if ahead >= 0 and t.accel[ahead] < -self._surprise[slot] and self._same_way(slot, ahead):
                 # With his eyes on the road he does not speed up any more; the braking of his AEB is not his own.
                 held = 0.0 if slot in self.braked else min(float(t.accel[slot]), 0.0)
                 self._reacting[slot] = _Reacting(t.serial[ahead], False, held)
@@ -233,7 +259,7 @@ class Motorists:
     def _react(self, time: float, wrecked: Bools) -> None:
         t = self._traffic
         for slot, driver in list(self._reacting.items()):
-            lead = int(self._leads.lead[slot])
+            lead, _ = self._leads.now(slot)
             if wrecked[slot] or lead < 0 or t.serial[lead] != driver.ahead or not self._same_way(slot, lead):
                 del self._reacting[slot]
                 continue
@@ -277,7 +303,7 @@ class Motorists:
         """Whether this is no emergency: the vehicle ahead does not brake hard, and little is needed."""
         t, model = self._traffic, self._model(slot)
         needed = required_decel(
-            gap=self._leads.gap[slot], speed=t.speed[slot], lead_speed=t.speed[lead], lead_accel=t.accel[lead]
+            gap=self._leads.now(slot)[1], speed=t.speed[slot], lead_speed=t.speed[lead], lead_accel=t.accel[lead]
         )
         return model is not None and bool(t.accel[lead] >= -model.surprise and needed <= model.mild)
 
@@ -290,7 +316,7 @@ class Motorists:
 
     def _time_to_crash(self, slot: int, lead: int, held: float) -> float:
         """If both go on as they are [s]: a vehicle ahead that brakes to a stop stays where it is."""
-        t, gap = self._traffic, float(self._leads.gap[slot])
+        t, (_, gap) = self._traffic, self._leads.now(slot)
         speed, lead_speed = float(t.speed[slot]), float(t.speed[lead])
         braking = max(float(t.accel[lead]), -_HARDEST)
         first = float(ttc2(gap=gap, closing_speed=speed - lead_speed, closing_accel=held - braking))
@@ -309,7 +335,7 @@ class Motorists:
     def _looming(self, slot: int, lead: int) -> float:
         """Inverse time to collision [1/s], 0 when nothing closes in."""
         closing = float(self._traffic.speed[slot] - self._traffic.speed[lead])
-        gap = float(self._leads.gap[slot])
+        _, gap = self._leads.now(slot)
         return 0.0 if closing <= 0 else np.inf if gap <= 0 else closing / gap
 
     def _same_way(self, slot: int, lead: int) -> bool:

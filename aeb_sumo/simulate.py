@@ -28,7 +28,10 @@ from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
 from aeb_sumo.world.surroundings import lane
 from aeb_sumo.world.wrecks import Crash
 
-__all__ = ["Progress", "run"]
+__all__ = ["POLLS", "Progress", "run"]
+
+POLLS = ("needed", "every")
+"""Whom to read in a step; see `run`."""
 
 _BLOCKAGE = 60.0  # s, our assumption
 
@@ -58,6 +61,7 @@ def run(
     equip: str | Equipment | None = None,
     verdicts: str = "none",
     forks: int | None = None,
+    poll: str = "needed",
     trace: Recorder | None = None,
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -82,6 +86,8 @@ def run(
         verdicts: which interventions are judged by a fork of the world in which they do not take place: `all`, `none`,
             or `sample:N`, a random sample of that many per run. No other column of any table depends on it.
         forks: that live at once, beside the run; None for one per core that is free, at least one.
+        poll: whom to read in a step: `needed`, those with whom a conflict is possible, all others once per search cycle
+            of the sensors (`aeb_sumo.world.leads`); or `every`, everyone, which is slow and gives the same.
         trace: looks on, for example an `aeb_sumo.trace.Trace`.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
@@ -101,6 +107,8 @@ def run(
     if blockage is not None and not 0 <= blockage < np.inf:
         raise InputError(f"blockage must be 0 or more seconds, not {blockage:g}")
     choice = Choice.parse(verdicts)
+    if poll not in POLLS:
+        raise InputError(f"unknown poll {poll!r}; there are: {', '.join(POLLS)}")
     step = scenario.step_length if step_length is None else step_length
     number = scenario.seed if seed is None else seed
     with tempfile.TemporaryDirectory() as nowhere:
@@ -123,7 +131,7 @@ def run(
                 raise InputError(f"blockage {blockage:g} s is longer than SUMO's time-to-teleport of {limit:g} s")
             stand = min(_BLOCKAGE, limit) if blockage is None else blockage
             carried.check_kinds(session.vehicle_types)
-            one = _Run(session, scenario, carried, stand, interval, trace, choice, forks)
+            one = _Run(session, scenario, carried, stand, interval, trace, choice, forks, every=poll == "every")
             try:
                 return one.simulate(span, progress, stop)
             finally:
@@ -143,10 +151,12 @@ class _Run:
         trace: Recorder | None,
         choice: Choice,
         forks: int | None,
+        *,
+        every: bool,
     ) -> None:
         self._session, self._scenario, self._carried = session, scenario, carried
         self._blockage = blockage
-        self._engine = engine = Engine(session, scenario, carried, blockage)
+        self._engine = engine = Engine(session, scenario, carried, blockage, every=every)
         self._conflicts = Conflicts(engine.traffic, engine.error, scenario.mu)
         self._verdicts = (
             Verdicts(engine, self._conflicts, choice=choice, forks=Forks(forks))
@@ -229,6 +239,8 @@ class _Run:
     def _book_crash(self, crash: Crash) -> None:
         hit = crash.impact
         self._crashes.book(crash)
+        on_wheels = [slot for slot in (hit.striker, hit.struck) if self._engine.traffic.wheeled[slot]]
+        self._book.crash(np.array(on_wheels), self._engine.time)
         self._conflicts.crash(hit.striker, hit.struck)
         self._interventions.close(crash.striker, "crash", hit.striker_speed)
         self._interventions.close(crash.struck, "crash", hit.struck_speed)

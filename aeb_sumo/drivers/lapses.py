@@ -144,6 +144,7 @@ class Lapses:
         accel: (slots, kinds) what the driver does in them [m/s2], nan: hold the acceleration.
         glance: index of the glances among the kinds, or None.
         looked_away, looked_back: slots of those whose glance began, or ended, with the last `advance`.
+        changed: of those of whom any lapse did.
     """
 
     def __init__(self, kinds: Sequence[Kind | None], seed: int) -> None:
@@ -157,6 +158,7 @@ class Lapses:
         self._slots: dict[str, int] = {}
         self.looked_away: list[int] = []
         self.looked_back: list[int] = []
+        self.changed: list[int] = []
         self.on: Bools = np.zeros((0, len(self.kinds)), np.bool_)
         self.accel: Floats = np.zeros((0, len(self.kinds)))
 
@@ -185,12 +187,13 @@ class Lapses:
 
     def advance(self, time: float) -> None:
         """Bring `on` and `accel` to `time` [s]."""
-        self.looked_away, self.looked_back = [], []
+        self.looked_away, self.looked_back, self.changed = [], [], []
         while self._heap and self._heap[0].time <= time:
             event = heappop(self._heap)
             if not self._concerns(event):
                 continue
             self.on[event.slot, event.kind] = event.starts
+            self.changed.append(event.slot)
             if event.kind == self.glance:
                 (self.looked_away if event.starts else self.looked_back).append(event.slot)
             if event.starts:

@@ -22,6 +22,7 @@ _EXECUTE_AND_PLAN = 24
 _EXECUTE_BLINDLY = 32
 """Execute the commanded speed; the driver sees nothing."""
 
+_HARD = 2.0  # m/s2, our assumption: less than any that takes those behind by surprise
 _PEDAL_RELEASE = 3.0  # m/s3, how fast a foot that may be off the brake is taken to leave it, our assumption
 
 
@@ -52,6 +53,10 @@ class Override:
     What SUMO's driver wants is known one step late, and to within 3 m/s3 times the step (see `_sumo_driver`).
 
     Call `drive` once per step, and `verify` after the next.
+
+    Attributes:
+        audit: what became of the commands so far.
+        braking: slots of those who have been commanded to brake hard for the last step.
     """
 
     def __init__(self, traffic: Traffic, friction: Friction) -> None:
@@ -63,6 +68,7 @@ class Override:
         self._foot: Floats = np.zeros(0)
         self._planning: Bools = np.zeros(0, np.bool_)
         self._modes: dict[int, tuple[int, int]] = {}
+        self.braking: Ints = np.zeros(0, np.int64)
 
     def verify(self) -> None:
         """Compare the speeds just observed with those commanded a step ago."""
@@ -75,6 +81,10 @@ class Override:
             self._taken[slot] = False
             self._foot[slot] = 0.0
         rows = np.flatnonzero(self._taken & t.here & ~t.fresh)
+        if not len(rows):
+            return
+        get, ids = libsumo.vehicle.getSpeed, t.ids
+        t.speed[rows] = [get(ids[slot]) for slot in rows.tolist()]
         error = np.abs(t.speed[rows] - self._commanded[rows])
         for k in np.flatnonzero(error > _TOLERANCE).tolist():
             if libsumo.vehicle.isStopped(t.ids[rows[k]]):  # at a scheduled stop SUMO holds it, whatever is commanded
@@ -100,6 +110,7 @@ class Override:
         for released in (self._taken & t.here & ~wanted).nonzero()[0].tolist():
             self._give_back(released)
         rows = wanted.nonzero()[0]
+        self.braking = rows[:0]
         if not len(rows):
             return
         blind = erring[rows] | wrecked[rows]
@@ -107,6 +118,7 @@ class Override:
         decel = np.where(aeb[rows] > 0, np.maximum(aeb[rows], driver), driver)
         decel = np.minimum(decel, self._friction.at(rows) * G)
         speed = np.where(wrecked[rows], wreck_speed[rows], np.maximum(t.speed[rows] - decel * dt, 0.0))
+        self.braking = rows[decel > _HARD]
         for k in (~self._taken[rows]).nonzero()[0].tolist():
             self._take(int(rows[k]), t.ids[rows[k]])
             self._planning[rows[k]] = blind[k]  # whatever its speed mode was, it is set now

@@ -94,13 +94,13 @@ class Wrecks:
             self.wrecked[slot] = False
             self._until.pop(vehicle, None)
             self._pile.pop(vehicle, None)
-        for collision in libsumo.simulation.getCollisions():
-            one = self._name(collision.collider, collision.colliderType)
-            other = self._name(collision.victim, collision.victimType)
-            if one and other:
-                self.reported.setdefault(pair_of(one, other), time)
-        new = []
-        pairs, instants = touching(t)
+        self._hear(time)
+        new: list[Crash] = []
+        among = (t.followed & t.here & t.wheeled).nonzero()[0]
+        if len(among) + len(t.walkers) < 2:
+            self._slow_down()
+            return new
+        pairs, instants = touching(t, among)
         for k in np.argsort(instants, kind="stable"):
             # Wrecks go on touching for as long as they stand.
             if pair_of(*(t.ids[slot] for slot in pairs[k])) in self.crashed:
@@ -108,8 +108,22 @@ class Wrecks:
             crash = self._judge(impact(t, pairs[k], float(instants[k]), time))
             if crash is not None:
                 new.append(crash)
-        self.speed = np.maximum(self.speed - _SLIDING * t.dt, 0.0)
+        self._slow_down()
         return new
+
+    def _slow_down(self) -> None:
+        if self._until:
+            self.speed = np.maximum(self.speed - _SLIDING * self.traffic.dt, 0.0)
+
+    def _hear(self, time: float) -> None:
+        """What SUMO reports: the net below the own search, for whom nobody follows yet."""
+        t = self.traffic
+        for collision in libsumo.simulation.getCollisions():
+            one = self._name(collision.collider, collision.colliderType)
+            other = self._name(collision.victim, collision.victimType)
+            if one and other:
+                self.reported.setdefault(pair_of(one, other), time)
+                t.follow(np.array([t.slot[name] for name in (one, other) if name in t.slot]))
 
     def _name(self, reported: str, vtype: str) -> str:
         """Name in `Traffic.ids` of whom SUMO reports, who may be a person; empty for nobody there."""
