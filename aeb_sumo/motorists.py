@@ -18,8 +18,8 @@ from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.drivers.reactions import Reaction, Response, Threat
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.soa import Bools, Floats, fitted
-from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.leads import Leads
+from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.surroundings import demanding
 
 __all__ = ["Motorists", "Notice"]
@@ -84,9 +84,8 @@ class Motorists:
         self._until: Floats = np.zeros(0)  # attentive until [s]
         self._surprise: Floats = np.zeros(0)
         self._held: Floats = np.zeros(0)
-        self._least_surprise = min(
-            (m.surprise for m in (profile.cars, profile.trucks) if m is not None), default=np.inf
-        )
+        models = (profile.cars, profile.trucks)
+        self._least_surprise = min((model.surprise for model in models if model is not None), default=np.inf)
         self.noticed: list[Notice] = []
         self.heeded: set[int] = set()
         self.braked: set[int] = set()
@@ -245,11 +244,10 @@ class Motorists:
         if not len(braking):
             return
         rows = self._leads.behind(set(braking.tolist()))
-        rows = [
-            s for s in rows[t.driven[rows]].tolist() if s not in self._reacting and not (self.away[s] or wrecked[s])
-        ]
-        self._look(set(rows))
-        for slot in rows:
+        rows = rows[t.driven[rows] & ~self.away[rows] & ~wrecked[rows]]
+        slots = [slot for slot in rows.tolist() if slot not in self._reacting]
+        self._look(set(slots))
+        for slot in slots:
             ahead, _ = self._leads.now(slot)
             if ahead >= 0 and t.accel[ahead] < -self._surprise[slot] and self._same_way(slot, ahead):
                 # With his eyes on the road he does not speed up any more; the braking of his AEB is not his own.

@@ -14,9 +14,9 @@ from aeb_sumo.ledger.encounters import THREAT, Pairs, crossing, following
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.soa import Bools, Floats, Ints, find, joined, take
 from aeb_sumo.units import G
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
-from aeb_sumo.world.leads import Leads
 
 __all__ = ["Conflicts"]
 

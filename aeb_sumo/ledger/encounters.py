@@ -8,9 +8,9 @@ from aeb_sumo.criticality import crossing_ttc, drac, required_decel, ttc, ttc2, 
 from aeb_sumo.perception.lead import truly_ahead
 from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.world.contact import Boxes, distance
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
-from aeb_sumo.world.leads import Leads
 
 __all__ = ["THREAT", "Pairs", "crossing", "following"]
 
@@ -57,8 +57,9 @@ def _keys(t: Traffic, slots: Ints) -> Ints:
 
 
 def following(t: Traffic, leads: Leads, wrecked: Bools, *, among: Ints | None = None) -> Pairs:
-    """Vehicles with whom a conflict is possible that closed in on the one ahead in the last step, at its begin or at its
-    end; `among` these slots only.
+    """Vehicles that closed in on the one ahead in the last step, at its begin or at its end; `among` these slots only.
+
+    With whom no conflict is possible (see `Leads`) is not asked.
 
     A lead that SUMO names counts when it is truly there (see `perception.lead.truly_ahead`) and in the way: on the arc
     from the ego's heading to its own, give or take the bodies' widths.

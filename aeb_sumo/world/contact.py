@@ -107,7 +107,7 @@ def _boxes_at(t: Traffic, slots: Ints, when: Floats | float) -> Boxes:
 
 
 def jumped(t: Traffic, slots: Ints) -> Bools:
-    """Vehicles whose move in the last step was no motion: inserted, teleported, put on another lane at once, or unseen."""
+    """Vehicles whose move in the last step was no motion: new to us, teleported or put on another lane at once."""
     dx, dy = t.x[slots] - t.old_x[slots], t.y[slots] - t.old_y[slots]
     cos, sin = np.cos(t.old_heading[slots]), np.sin(t.old_heading[slots])
     driven = (t.old_speed[slots] + t.speed[slots]) / 2 * t.dt

@@ -81,9 +81,8 @@ class Leads:
 
     def behind(self, slots: set[int]) -> Ints:
         """Slots of those whose last search has found one of these ahead."""
-        if len(slots) == 1:
-            return (self.lead == next(iter(slots))).nonzero()[0]
-        return np.isin(self.lead, list(slots)).nonzero()[0]
+        behind: Bools = np.isin(self.lead, list(slots)) & self._traffic.here[: len(self.lead)]
+        return behind.nonzero()[0]
 
     def _enrol(self) -> None:
         """Who came takes his turn from now on; nobody is behind or ahead any more of who went."""
@@ -96,9 +95,9 @@ class Leads:
                 if turn.pop(slot, None) is not None:
                     self._rows[phase] = None
         if gone:
-            self._forget(
-                np.array([*gone, *np.isin(self.lead, gone).nonzero()[0], *np.isin(self._found, gone).nonzero()[0]])
-            )
+            of_gone = np.isin(self.lead, gone) | np.isin(self._found, gone)
+            of_gone[gone] = True
+            self._forget(of_gone.nonzero()[0])
         for slot in t.departed:
             phase = int(t.serial[slot]) % self._every
             self._turn[phase][slot] = t.ids[slot]
@@ -112,7 +111,7 @@ class Leads:
 
     def _look_again(self, rows: Ints, phase: int) -> None:
         """Read the known leads of those who do not search in this step."""
-        t, turn = self._traffic, self._turn[phase]
+        turn = self._turn[phase]
         for slot in rows.tolist():
             if slot not in turn and self.lead[slot] >= 0:
                 lead, gap = self.now(slot)

@@ -11,18 +11,9 @@ from aeb_sumo.world.leads import REACH
 from aeb_sumo.world.observe import Traffic
 
 __all__ = [
-    "Trips",
-    "ahead",
-    "demanding",
-    "lane",
-    "lanes",
-    "lateral_position",
-    "next_lanes",
-    "overlook",
-    "pending",
-    "to_end",
+    "Trips", "ahead", "demanding", "lane", "lanes", "lateral_position", "next_lanes", "overlook", "pending", "to_end",
     "trips",
-]
+]  # fmt: skip
 
 _IGNORE_IDS = "junctionModel.ignoreIDs"
 
