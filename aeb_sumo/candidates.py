@@ -43,9 +43,9 @@ class Pairs:
 class Candidates:
     """Finds the pairs of a step.
 
-    Leads are those that SUMO names with whom a conflict is possible (`aeb_sumo.world.leads`), if they are where a sensor
-    could see them. Nothing but thin air is between a vehicle and the next one on its path, so lines of sight are asked
-    only for crossing traffic. At junctions every pair of vehicles is a candidate whose planned paths cross
+    Leads are those that SUMO names with whom a conflict is possible (`aeb_sumo.world.leads`), if they are where a
+    sensor could see them. Nothing but thin air is between a vehicle and the next one on its path, so lines of sight are
+    asked only for crossing traffic. At junctions every pair of vehicles is a candidate whose planned paths cross
     (`Gaze.PATH`) or, for systems that know no paths, every pair there is (`Gaze.RELATIVE_MOTION`); so are, anywhere,
     persons on foot whose path meets the own one, or who are near. Systems for car-following have no eyes for any of
     these (`Gaze.LEAD`).

@@ -56,6 +56,8 @@ class Leads:
         """From the traffic just observed to `egos`, and their leads and gaps."""
         t = self._traffic
         self._now = {}
+        if len(self.lead) < t.capacity:
+            self._fit()
         if t.left or t.departed:
             self._enrol()
         phase = t.step % self._every
@@ -67,7 +69,7 @@ class Leads:
             self._look_again(known[t.here[known]], phase)
         if len(rows):
             self._search(rows, list(self._turn[phase].values()))
-        self.possible = self._watching & (self.lead >= 0) & t.here[: len(self.lead)]
+        self.possible = self._watching & (self.lead >= 0) & t.here
         self.egos = self.possible.nonzero()[0]
 
     def now(self, slot: int) -> tuple[int, float]:
@@ -81,14 +83,12 @@ class Leads:
 
     def behind(self, slots: set[int]) -> Ints:
         """Slots of those whose last search has found one of these ahead."""
-        behind: Bools = np.isin(self.lead, list(slots)) & self._traffic.here[: len(self.lead)]
+        behind: Bools = np.isin(self.lead, list(slots)) & self._traffic.here
         return behind.nonzero()[0]
 
     def _enrol(self) -> None:
         """Who came takes his turn from now on; nobody is behind or ahead any more of who went."""
         t = self._traffic
-        for name in ("lead", "gap", "_found", "_found_gap", "_rate", "_watching"):
-            setattr(self, name, fitted(getattr(self, name), t.capacity))
         gone = [slot for slot, _ in t.left]
         for slot in gone:
             for phase, turn in enumerate(self._turn):
@@ -104,6 +104,12 @@ class Leads:
             self._rows[phase] = None
         if t.departed:
             self._forget(np.array(t.departed))
+
+    def _fit(self) -> None:
+        old, size = len(self.lead), self._traffic.capacity
+        for name in ("lead", "gap", "_found", "_found_gap", "_rate", "_watching"):
+            setattr(self, name, fitted(getattr(self, name), size))
+        self._forget(np.arange(old, size))
 
     def _forget(self, rows: Ints) -> None:
         self.lead[rows] = self._found[rows] = -1
