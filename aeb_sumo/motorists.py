@@ -20,7 +20,7 @@ from aeb_sumo.drivers.streams import stream
 from aeb_sumo.soa import Bools, Floats, fitted
 from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic, VClasses
-from aeb_sumo.world.surroundings import demanding
+from aeb_sumo.world.surroundings import Onward
 
 __all__ = ["Motorists", "Notice"]
 
@@ -75,6 +75,7 @@ class Motorists:
     def __init__(self, traffic: Traffic, leads: Leads, profile: Profile, seed: int) -> None:
         self._traffic, self._leads, self._profile, self._seed = traffic, leads, profile, seed
         self._lapses = Lapses((profile.hard_braking, profile.glances, profile.robots), seed)
+        self._onward = Onward(traffic)
         self._reacting: dict[int, _Reacting] = {}
         self._alerts: dict[int, _Alert] = {}  # by slot
         self.erring: Bools = np.zeros(0, np.bool_)
@@ -103,6 +104,7 @@ class Motorists:
     def leave(self, slot: int, vehicle: str) -> None:
         """A vehicle is gone."""
         self._lapses.leave(slot, vehicle)
+        self._onward.forget(slot)
         self.away[slot] = self.attentive[slot] = False
         self._reacting.pop(slot, None)
         self._alerts.pop(slot, None)
@@ -156,8 +158,7 @@ class Motorists:
         self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
         self._heed(time)
-        # Who is about to do something else, or reacts, looks at the vehicle ahead now; it is no matter of searching.
-        self._look({*self._lapses.changed, *self._reacting, *self._warned_away()})
+        self._read({*self._lapses.changed, *self._warned_away()})
         self._glance()
         self._surprised(wrecked)
         self._react(time, wrecked)
@@ -182,12 +183,14 @@ class Motorists:
             return Glances.name if self._reacting[slot].late else "surprised"
         return Glances.name if self.away[slot] else ""
 
-    def _look(self, slots: set[int]) -> None:
-        """Read the vehicles in these slots, and those ahead of them."""
+    def _read(self, slots: set[int]) -> None:
         here = [slot for slot in sorted(slots) if self._traffic.here[slot]]
         if here:
-            leads = (self._leads.now(slot)[0] for slot in here)
-            self._traffic.read(np.array([*here, *(lead for lead in leads if lead >= 0)]))
+            self._traffic.read(np.array(here))
+
+    def _look(self, slots: Iterable[int]) -> None:
+        """Drivers look at the vehicles ahead, now: it is no matter of searching."""
+        self._read({*slots, *(self._leads.now(slot)[0] for slot in slots)} - {-1})
 
     def _warned_away(self) -> list[int]:
         """Slots of drivers whose eyes are off the road, and whom a warning calls back."""
@@ -216,20 +219,38 @@ class Motorists:
             return
         warned = self._warned_away()
         self.heeded.update(warned)
-        for slot in [*self._lapses.looked_back, *warned]:
-            if self.away[slot]:
-                self.away[slot] = False
-                self._look_back(slot)
+        back = [slot for slot in [*self._lapses.looked_back, *warned] if self.away[slot]]
+        self.away[back] = False
+        # Where no conflict is possible there is nothing to react to.
+        back = [slot for slot in back if self._leads.possible[slot]]
+        self._look(back)
+        for slot in back:
+            self._look_back(slot)
         for slot in self._lapses.looked_away:
             # A short glance may have ended within the same step.
             busy = slot in self._reacting or not self._lapses.on[slot, self._lapses.glance]
-            if busy or not t.here[slot] or demanding(t, slot, *self._leads.now(slot), calm):
+            if busy or not t.here[slot] or self._demanding(slot, calm):
                 continue
             if self.attentive[slot]:
                 self.heeded.add(slot)
             else:
                 self.away[slot] = True
                 self._held[slot] = t.accel[slot]
+
+    def _demanding(self, slot: int, calm: Glances) -> bool:
+        """Whether the driver has reason to keep his eyes on the road just now.
+
+        He has when he brakes or speeds up, closes in on the vehicle ahead, follows it closely, has not had it ahead for
+        long, or has to find a gap because his lane soon leads off his route; `calm` says from where on. Drivers choose
+        calm moments to look away.
+        """
+        t, leads = self._traffic, self._leads
+        if abs(t.accel[slot]) > calm.calm_accel:
+            return True
+        gap, closing = leads.gap[slot], leads.rate[slot]
+        if leads.lead[slot] >= 0 and not (gap >= closing * calm.calm_ttc and gap >= t.speed[slot] * calm.calm_headway):
+            return True
+        return self._onward.left(slot) < calm.calm_lane
 
     def _look_back(self, slot: int) -> None:
         """The eyes are on the road again: is there something to react to?"""
@@ -246,7 +267,7 @@ class Motorists:
         rows = self._leads.behind(set(braking.tolist()))
         rows = rows[t.driven[rows] & ~self.away[rows] & ~wrecked[rows]]
         slots = [slot for slot in rows.tolist() if slot not in self._reacting]
-        self._look(set(slots))
+        self._look(slots)
         for slot in slots:
             ahead, _ = self._leads.now(slot)
             if ahead >= 0 and t.accel[ahead] < -self._surprise[slot] and self._same_way(slot, ahead):
@@ -256,6 +277,7 @@ class Motorists:
 
     def _react(self, time: float, wrecked: Bools) -> None:
         t = self._traffic
+        self._look(self._reacting)
         for slot, driver in list(self._reacting.items()):
             lead, _ = self._leads.now(slot)
             if wrecked[slot] or lead < 0 or t.serial[lead] != driver.ahead or not self._same_way(slot, lead):

@@ -198,7 +198,7 @@ class Lapses:
                 (self.looked_away if event.starts else self.looked_back).append(event.slot)
             if event.starts:
                 self.accel[event.slot, event.kind] = event.lapse.accel
-                self._push(event._replace(time=event.lapse.end, starts=False))
+                self._push(event.lapse.end, event.slot, event.vehicle, event.kind, event.lapse, starts=False)
             else:
                 self._next(event.slot, event.vehicle, event.kind)
 
@@ -212,8 +212,8 @@ class Lapses:
             return
         begin = self._departed[vehicle]
         lapse = Lapse(begin + lapse.start, begin + lapse.end, lapse.accel)
-        self._push(_Event(lapse.start, 0, slot, vehicle, kind, lapse, True))
+        self._push(lapse.start, slot, vehicle, kind, lapse, starts=True)
 
-    def _push(self, event: _Event) -> None:
+    def _push(self, time: float, slot: int, vehicle: str, kind: int, lapse: Lapse, *, starts: bool) -> None:
         self._count += 1
-        heappush(self._heap, event._replace(order=self._count))
+        heappush(self._heap, _Event(time, self._count, slot, vehicle, kind, lapse, starts))

@@ -31,6 +31,7 @@ class Leads:
         lead, gap: per slot, slot of the vehicle ahead at the last search, -1 for none within 150 m, and its distance,
             bumper to bumper [m], `inf` for none. SUMO leaves the ego's minGap out of its answer; here it is back in. In
             and before junctions SUMO's gaps are not to be trusted (see `perception.lead.sees_lead`).
+        rate: per slot, how fast the gap has shrunk between the last two searches [m/s]; nan: another lead, or none.
         egos: slots of those with whom a conflict is possible, rising; for them lead and gap are of this step.
         possible: per slot, whether it is one of them.
     """
@@ -46,10 +47,10 @@ class Leads:
         self.egos: Ints = np.zeros(0, np.int64)
         self.possible: Bools = np.zeros(0, np.bool_)
         self._watching: Bools = np.zeros(0, np.bool_)
-        # Of the last search: the lead, its gap, and how fast that had shrunk, nan: not known.
+        self.rate: Floats = np.zeros(0)
+        # What the last search found: the lead and its gap.
         self._found: Ints = np.zeros(0, np.int64)
         self._found_gap: Floats = np.zeros(0)
-        self._rate: Floats = np.zeros(0)
         self._now: dict[int, tuple[int, float]] = {}
 
     def step(self) -> None:
@@ -107,13 +108,13 @@ class Leads:
 
     def _fit(self) -> None:
         old, size = len(self.lead), self._traffic.capacity
-        for name in ("lead", "gap", "_found", "_found_gap", "_rate", "_watching"):
+        for name in ("lead", "gap", "_found", "_found_gap", "rate", "_watching"):
             setattr(self, name, fitted(getattr(self, name), size))
         self._forget(np.arange(old, size))
 
     def _forget(self, rows: Ints) -> None:
         self.lead[rows] = self._found[rows] = -1
-        self.gap[rows], self._rate[rows], self._watching[rows] = np.inf, np.nan, False
+        self.gap[rows], self.rate[rows], self._watching[rows] = np.inf, np.nan, False
 
     def _look_again(self, rows: Ints, phase: int) -> None:
         """Read the known leads of those who do not search in this step."""
@@ -138,10 +139,10 @@ class Leads:
         span = self._every * t.dt
         rate = np.full(len(rows), np.nan)
         rate[same] = (self._found_gap[rows[same]] - gap[same]) / span
-        growth = (rate - self._rate[rows]) / span
+        growth = (rate - self.rate[rows]) / span
         growth = np.where(growth > 0, growth, 0.0)  # also where it is not known
         near = gap < _CLOSE + rate * _HORIZON + growth * (_HORIZON**2 / 2)
         self._watching[rows] = np.where(same, near & ((rate != 0) | (growth != 0)), found)
         self.lead[rows] = self._found[rows] = lead
         self.gap[rows] = self._found_gap[rows] = gap
-        self._rate[rows] = rate
+        self.rate[rows] = rate

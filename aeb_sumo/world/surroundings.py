@@ -5,13 +5,12 @@ from dataclasses import dataclass
 import libsumo
 import numpy as np
 
-from aeb_sumo.drivers.lapses import Glances
 from aeb_sumo.soa import Floats, Ints
 from aeb_sumo.world.leads import REACH
 from aeb_sumo.world.observe import Traffic
 
 __all__ = [
-    "Trips", "ahead", "demanding", "lane", "lanes", "lateral_position", "next_lanes", "overlook", "pending", "to_end",
+    "Onward", "Trips", "ahead", "lane", "lanes", "lateral_position", "next_lanes", "overlook", "pending", "to_end",
     "trips",
 ]  # fmt: skip
 
@@ -24,25 +23,27 @@ def lateral_position(t: Traffic, slots: Ints) -> Floats:
     return np.array([get(t.ids[slot]) for slot in slots.tolist()], float)
 
 
-def demanding(t: Traffic, slot: int, lead: int, gap: float, calm: Glances) -> bool:
-    """Whether the driver in a slot has reason to keep his eyes on the road just now.
+class Onward:
+    """How far vehicles can stay on their lanes until they have to be on another for their routes."""
 
-    He has when he brakes or speeds up, closes in on the vehicle ahead (in slot `lead`, -1 for none, at `gap` [m]),
-    follows it closely, or has to find a gap because his lane soon leads off his route; `calm` says from where on.
-    Drivers choose calm moments to look away. Both vehicles must have been read.
-    """
-    vehicle = t.ids[slot]
-    if abs(t.accel[slot]) > calm.calm_accel:
-        return True
-    if lead >= 0:
-        closing = t.speed[slot] - t.speed[lead]
-        if gap < closing * calm.calm_ttc or gap < t.speed[slot] * calm.calm_headway:
-            return True
-    lane = libsumo.vehicle.getLaneID(vehicle)
-    if lane.startswith(":"):
-        return False
-    left = {best[0]: best[1] for best in libsumo.vehicle.getBestLanes(vehicle) if best[3] != 0}
-    return lane in left and bool(left[lane] - libsumo.vehicle.getLanePosition(vehicle) < calm.calm_lane)
+    def __init__(self, traffic: Traffic) -> None:
+        self._traffic = traffic
+        self._known: dict[int, tuple[str, float]] = {}  # slot -> lane, and where on it one has to have left it [m]
+
+    def left(self, slot: int) -> float:
+        """From where the vehicle in a slot is now [m]; `inf` for as far as it goes, and in junctions."""
+        vehicle, get = self._traffic.ids[slot], libsumo.vehicle
+        lane = get.getLaneID(vehicle)
+        known, end = self._known.get(slot, ("", np.inf))
+        if lane != known:
+            left = {best[0]: best[1] for best in get.getBestLanes(vehicle) if best[3] != 0}
+            end = left.get(lane, np.inf)
+            self._known[slot] = lane, end
+        return end - float(get.getLanePosition(vehicle)) if end < np.inf else np.inf
+
+    def forget(self, slot: int) -> None:
+        """The vehicle in a slot is gone."""
+        self._known.pop(slot, None)
 
 
 def lane(vehicle: str) -> str:
