@@ -11,27 +11,29 @@ __all__ = ["REACH", "Leads"]
 REACH = 150.0
 """How far ahead a lead is looked for [m]: as far as any sensor sees."""
 
-_HORIZON = 5.0
-"""A conflict is possible when two could touch within this time [s], our assumption: longer than any system's threshold
-and than the TTC of 4 s from which conflicts are booked."""
+# A conflict is possible when two could touch within this time, going on as they do, or faster and faster; our
+# assumption: longer than any system's threshold, and than the TTC of 4 s from which conflicts are booked.
+_HORIZON = 5.0  # s
+_GROWING = 3.5  # s
+_CLOSE = 2.0  # m, nearer than this a conflict is always possible unless both stand, our assumption
 _NOBODY = ("", np.inf)
-_CLOSE = 5.0  # m, nearer than this a conflict is always possible unless both stand, our assumption
 
 
 class Leads:
     """Who is ahead of whom, as SUMO names it.
 
-    Every vehicle looks for the one ahead once per search cycle, at a phase of its own. From what it finds it knows the
-    gap, and from the two times before, how fast the gap shrinks, and whether faster and faster. If both going on like
-    that would touch within 5 s (the acceleration counted only if it makes things worse), or if the one ahead is new, a
-    conflict is possible, and the gap is read in every step until the next search says otherwise. When SUMO names
-    another in between, there is nobody until that search.
+    Every vehicle looks for the one ahead once per search cycle, at a phase of its own. From what it finds, and
+    found the last two times, it knows the gap, how fast that shrinks, and whether faster and faster. If both would touch
+    within 5 s going on at the same rate, or within 3.5 s at a rate that goes on growing, or are nearer than 2 m and
+    move, a conflict is possible, and the gap is read in every step until the next search says otherwise. When SUMO
+    names another in between, there is nobody until that search.
 
     Attributes:
         lead, gap: per slot, slot of the vehicle ahead at the last search, -1 for none within 150 m, and its distance,
             bumper to bumper [m], `inf` for none. SUMO leaves the ego's minGap out of its answer; here it is back in. In
             and before junctions SUMO's gaps are not to be trusted (see `perception.lead.sees_lead`).
-        rate: per slot, how fast the gap has shrunk between the last two searches [m/s]; nan: another lead, or none.
+        rate: per slot, how fast the gap has shrunk between the last two searches, or does, if the lead is new [m/s];
+            nan for none.
         egos: slots of those with whom a conflict is possible, rising; for them lead and gap are of this step.
         possible: per slot, whether it is one of them.
     """
@@ -139,10 +141,13 @@ class Leads:
         span = self._every * t.dt
         rate = np.full(len(rows), np.nan)
         rate[same] = (self._found_gap[rows[same]] - gap[same]) / span
-        growth = (rate - self.rate[rows]) / span
-        growth = np.where(growth > 0, growth, 0.0)  # also where it is not known
-        near = gap < _CLOSE + rate * _HORIZON + growth * (_HORIZON**2 / 2)
-        self._watching[rows] = np.where(same, near & ((rate != 0) | (growth != 0)), found)
+        growth = np.where(same, (rate - self.rate[rows]) / span, 0.0)
+        speed = libsumo.vehicle.getSpeed
+        for k in (found & ~same).nonzero()[0].tolist():
+            rate[k] = speed(ids[k]) - speed(names[k])
+        growing = rate * _GROWING + np.maximum(growth, 0.0) * (_GROWING**2 / 2)
+        near = gap < _CLOSE + np.maximum(rate * _HORIZON, growing)
+        self._watching[rows] = near & ((rate != 0) | (growth != 0))
         self.lead[rows] = self._found[rows] = lead
         self.gap[rows] = self._found_gap[rows] = gap
         self.rate[rows] = rate
