@@ -20,11 +20,12 @@ from aeb_sumo.ledger.traffic import TrafficBook
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.results import Results
 from aeb_sumo.scenarios import Scenario
+from aeb_sumo.scenarios.options import start_options
 from aeb_sumo.strategies.base import Strategy
 from aeb_sumo.trace import Recorder
 from aeb_sumo.verdicts import Choice, Verdicts
 from aeb_sumo.world.fork import Forks
-from aeb_sumo.world.session import IMPOSED, Session, SumoError, output_prefix
+from aeb_sumo.world.session import Session, SumoError
 from aeb_sumo.world.surroundings import lane
 from aeb_sumo.world.wrecks import Crash
 
@@ -109,20 +110,8 @@ def run(
     choice = Choice.parse(verdicts)
     if poll not in POLLS:
         raise InputError(f"unknown poll {poll!r}; there are: {', '.join(POLLS)}")
-    step = scenario.step_length if step_length is None else step_length
-    number = scenario.seed if seed is None else seed
     with tempfile.TemporaryDirectory() as nowhere:
-        routes = Path(nowhere) / "vehicles.rou.xml"
-        routes.write_text(scenario.vehicles, encoding="utf-8")
-        options = [
-            *scenario.sumo_options,
-            *(("--route-files", str(routes)) if scenario.vehicles else ()),
-            *IMPOSED,
-            *(("--step-length", f"{step:g}") if step is not None else ()),
-            *(("--seed", str(number)) if number is not None else ()),
-            "--output-prefix",
-            output_prefix(str(Path(sumo_output or nowhere).resolve()), scenario.output_prefix),
-        ]
+        options = start_options(scenario, Path(nowhere), seed=seed, step_length=step_length, output=sumo_output)
         with Session(options) as session:
             span = scenario.duration if duration is None else duration
             # SUMO would put a wreck that stands for too long elsewhere.

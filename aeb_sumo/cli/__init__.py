@@ -22,6 +22,7 @@ _MODULES = {
     "intersection": "intersection",
     "reproduce": "reproduce",
     "ncap": "ncap",
+    "bench": "bench",
 }
 """Subcommand -> module that has it."""
 

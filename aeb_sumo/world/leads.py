@@ -22,11 +22,11 @@ _NOBODY = ("", np.inf)
 class Leads:
     """Who is ahead of whom, as SUMO names it.
 
-    Every vehicle looks for the one ahead once per search cycle, at a phase of its own. From what it finds, and
-    found the last two times, it knows the gap, how fast that shrinks, and whether faster and faster. If both would touch
-    within 5 s going on at the same rate, or within 3.5 s at a rate that goes on growing, or are nearer than 2 m and
-    move, a conflict is possible, and the gap is read in every step until the next search says otherwise. When SUMO
-    names another in between, there is nobody until that search.
+    Every vehicle looks for the one ahead once per search cycle, at a phase of its own. From what it finds, and found the
+    two times before, it knows the gap, how fast that shrinks, and whether faster and faster. If both would touch within
+    5 s going on at the same rate, or within 3.5 s at a rate that goes on growing, or are nearer than 2 m and move, a
+    conflict is possible, and the gap is read in every step until the next search says otherwise. When SUMO names
+    another in between, there is nobody until that search.
 
     Attributes:
         lead, gap: per slot, slot of the vehicle ahead at the last search, -1 for none within 150 m, and its distance,
