@@ -23,6 +23,9 @@ from aeb_sumo.world.wrecks import Crash, Wrecks
 
 __all__ = ["Engine"]
 
+_HORIZON = 5.0  # s, our assumption: longer than the TTC of 4 s from which conflicts are booked, and drivers' looming
+_BEFORE = 1.0  # s before a system may act from which it watches its target, our assumption: sensors take time, too
+
 
 class Engine:
     """A running world: SUMO's traffic, drivers who err, and AEBs.
@@ -55,7 +58,12 @@ class Engine:
         self.override = Override(self.traffic, self.friction)
         self.wrecks = Wrecks(self.traffic, network, session.sublane, blockage)
         systems = carried.systems or (System.of("none"),)
-        self.leads = Leads(self.traffic, min(s.suite.search for s in systems))
+        slippery = min((scenario.mu, *(stretch.mu for stretch in scenario.stretches)))
+        self.leads = Leads(
+            self.traffic,
+            cycle=min(s.suite.search for s in systems),
+            horizon=max(_HORIZON, *(s.strategy.longest_ttc(slippery) + _BEFORE for s in systems)),
+        )
         self.paths = Paths(self.traffic, network)
         self._walkers = Walkers(self.traffic, network)
         self._sightlines = Sightlines(self.traffic, walls())
@@ -105,7 +113,7 @@ class Engine:
         if len(t.walkers):  # they may be anywhere
             t.follow(t.present)
             return
-        several = [egos, self.leads.lead[egos], self.fleet.busy, self.override.braking]
+        several = [egos, self.leads.lead[egos], self.fleet.busy, self.override.braking, self.motorists.startling]
         slots = np.concatenate([each for each in several if len(each)] or [egos])
         if len(slots):
             t.follow(slots[t.here[slots]])

@@ -17,7 +17,7 @@ from aeb_sumo.drivers.lapses import Glances, Lapses
 from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.drivers.reactions import Reaction, Response, Threat
 from aeb_sumo.drivers.streams import stream
-from aeb_sumo.soa import Bools, Floats, fitted
+from aeb_sumo.soa import Bools, Floats, Ints, fitted
 from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic, VClasses
 from aeb_sumo.world.surroundings import Onward
@@ -76,6 +76,7 @@ class Motorists:
         self._traffic, self._leads, self._profile, self._seed = traffic, leads, profile, seed
         self._lapses = Lapses((profile.hard_braking, profile.glances, profile.robots), seed)
         self._onward = Onward(traffic)
+        self._startling: set[int] = set()
         self._reacting: dict[int, _Reacting] = {}
         self._alerts: dict[int, _Alert] = {}  # by slot
         self.erring: Bools = np.zeros(0, np.bool_)
@@ -97,17 +98,25 @@ class Motorists:
         self._fit()
         model = self._model(slot)
         self._surprise[slot] = np.inf if model is None else model.surprise
+        if self._traffic.brakes[slot] > self._least_surprise:
+            self._startling.add(slot)
         self._until[slot], self.away[slot], self.attentive[slot] = 0.0, False, False
         if self._traffic.driven[slot] or self._profile.robots is not None:
             self._lapses.depart(slot, vehicle, time)
 
     def leave(self, slot: int, vehicle: str) -> None:
         """A vehicle is gone."""
+        self._startling.discard(slot)
         self._lapses.leave(slot, vehicle)
         self._onward.forget(slot)
         self.away[slot] = self.attentive[slot] = False
         self._reacting.pop(slot, None)
         self._alerts.pop(slot, None)
+
+    @property
+    def startling(self) -> Ints:
+        """Slots of vehicles that SUMO may at any time let brake so hard that it takes those behind by surprise."""
+        return np.array(sorted(self._startling), np.int64)
 
     def hear(self, time: float, warnings: Iterable[tuple[str, str]]) -> None:
         """AEBs warn.

@@ -80,9 +80,9 @@ class Bottlenecks:
         return set(lanes[count >= _QUEUE].tolist())
 
     def _number(self, lane: str) -> int:
-        """Of a lane; -1 for one in a junction."""
+        """Of a lane; -1 for one in a junction, or none, as of who parks."""
         number = self._numbers.get(lane)
-        if number is None and lane.startswith(":"):
+        if number is None and (not lane or lane.startswith(":")):
             number = self._numbers[lane] = -1
         if number is None:
             number = self._numbers[lane] = len(self._edge_of)

@@ -112,7 +112,7 @@ class Conflicts:
         self._evasive = min(EVASIVE, _SLIPPERY * mu * G)
         self._errors: dict[int, list[str]] = {}
         nobody = np.zeros(0, np.bool_)
-        self.pairs = following(traffic, Leads(traffic, traffic.dt), nobody)
+        self.pairs = following(traffic, Leads(traffic, cycle=traffic.dt, horizon=0.0), nobody)
         self.hard = np.zeros((0, 2), np.bool_)
         self.ended: list[dict[str, Any]] = []
         self._open = _Open.of(self.pairs, 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_))

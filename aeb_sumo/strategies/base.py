@@ -135,6 +135,13 @@ class Strategy(ABC):
         """
         return 0.0
 
+    def longest_ttc(self, mu: float) -> float:  # noqa: ARG002
+        """The longest time to collision at which it acts on a road of friction `mu` [s], closing in with up to 40 m/s.
+
+        A target farther away need not be watched in every step. 4: our assumption.
+        """
+        return 4.0
+
     def __post_init__(self) -> None:
         """Raises `InputError` for a parameter out of range."""
         check(self)

@@ -11,10 +11,7 @@ __all__ = ["REACH", "Leads"]
 REACH = 150.0
 """How far ahead a lead is looked for [m]: as far as any sensor sees."""
 
-# A conflict is possible when two could touch within this time, going on as they do, or faster and faster; our
-# assumption: longer than any system's threshold, and than the TTC of 4 s from which conflicts are booked.
-_HORIZON = 5.0  # s
-_GROWING = 3.5  # s
+_SOONER = 1.0  # s, how much sooner than at the rate of now two have to touch if that goes on growing, our assumption
 _CLOSE = 2.0  # m, nearer than this a conflict is always possible unless both stand, our assumption
 _NOBODY = ("", np.inf)
 
@@ -22,11 +19,11 @@ _NOBODY = ("", np.inf)
 class Leads:
     """Who is ahead of whom, as SUMO names it.
 
-    Every vehicle looks for the one ahead once per search cycle, at a phase of its own. From what it finds, and found the
-    two times before, it knows the gap, how fast that shrinks, and whether faster and faster. If both would touch within
-    5 s going on at the same rate, or within 3.5 s at a rate that goes on growing, or are nearer than 2 m and move, a
-    conflict is possible, and the gap is read in every step until the next search says otherwise. When SUMO names
-    another in between, there is nobody until that search.
+    Every vehicle looks for the one ahead once per search cycle, at a phase of its own. From what it finds, and found
+    the two times before, it knows the gap, how fast that shrinks, and whether faster and faster. If both would touch
+    within the horizon going on at the same rate, or 1 s earlier at a rate that goes on growing, or are nearer than 2 m
+    and move, a conflict is possible, and the gap is read in every step until the next search says otherwise. When SUMO
+    names another in between, there is nobody until that search.
 
     Attributes:
         lead, gap: per slot, slot of the vehicle ahead at the last search, -1 for none within 150 m, and its distance,
@@ -38,9 +35,10 @@ class Leads:
         possible: per slot, whether it is one of them.
     """
 
-    def __init__(self, traffic: Traffic, cycle: float) -> None:
-        """`cycle`: of the search [s], rounded to steps, at least one."""
+    def __init__(self, traffic: Traffic, *, cycle: float, horizon: float) -> None:
+        """`cycle`: of the search [s], rounded to steps, at least one; `horizon`: see above [s]."""
         self._traffic = traffic
+        self._horizon = horizon
         self._every = max(1, round(cycle / traffic.dt))  # steps
         self._turn: list[dict[int, str]] = [{} for _ in range(self._every)]  # slot -> id, by phase
         self._rows: list[Ints | None] = [None] * self._every  # their slots
@@ -50,7 +48,8 @@ class Leads:
         self.possible: Bools = np.zeros(0, np.bool_)
         self._watching: Bools = np.zeros(0, np.bool_)
         self.rate: Floats = np.zeros(0)
-        # What the last search found: the lead and its gap.
+        # What the last search found, and in which step: the lead and its gap.
+        self._found_at: Ints = np.zeros(0, np.int64)
         self._found: Ints = np.zeros(0, np.int64)
         self._found_gap: Floats = np.zeros(0)
         self._now: dict[int, tuple[int, float]] = {}
@@ -72,6 +71,9 @@ class Leads:
             self._look_again(known[t.here[known]], phase)
         if len(rows):
             self._search(rows, list(self._turn[phase].values()))
+        new = [slot for slot in t.departed if slot not in self._turn[phase]]
+        if new:  # who has just come does not wait for his turn
+            self._search(np.array(new), [t.ids[slot] for slot in new])
         self.possible = self._watching & (self.lead >= 0) & t.here
         self.egos = self.possible.nonzero()[0]
 
@@ -110,7 +112,7 @@ class Leads:
 
     def _fit(self) -> None:
         old, size = len(self.lead), self._traffic.capacity
-        for name in ("lead", "gap", "_found", "_found_gap", "rate", "_watching"):
+        for name in ("lead", "gap", "_found", "_found_at", "_found_gap", "rate", "_watching"):
             setattr(self, name, fitted(getattr(self, name), size))
         self._forget(np.arange(old, size))
 
@@ -138,16 +140,18 @@ class Leads:
         gap = np.where(lead >= 0, np.array(gaps) + t.min_gap[rows], np.inf)
         found = lead >= 0
         same = found & (lead == self._found[rows])
-        span = self._every * t.dt
+        span = np.where(same, (t.step - self._found_at[rows]) * t.dt, np.inf)
         rate = np.full(len(rows), np.nan)
-        rate[same] = (self._found_gap[rows[same]] - gap[same]) / span
-        growth = np.where(same, (rate - self.rate[rows]) / span, 0.0)
+        rate[same] = (self._found_gap[rows[same]] - gap[same]) / span[same]
         speed = libsumo.vehicle.getSpeed
         for k in (found & ~same).nonzero()[0].tolist():
             rate[k] = speed(ids[k]) - speed(names[k])
-        growing = rate * _GROWING + np.maximum(growth, 0.0) * (_GROWING**2 / 2)
-        near = gap < _CLOSE + np.maximum(rate * _HORIZON, growing)
+        growth = np.where(same, (rate - self.rate[rows]) / span, 0.0)
+        sooner = self._horizon - _SOONER
+        growing = rate * sooner + np.maximum(growth, 0.0) * (sooner**2 / 2)
+        near = gap < _CLOSE + np.maximum(rate * self._horizon, growing)
         self._watching[rows] = near & ((rate != 0) | (growth != 0))
+        self._found_at[rows] = t.step
         self.lead[rows] = self._found[rows] = lead
         self.gap[rows] = self._found_gap[rows] = gap
         self.rate[rows] = rate

@@ -38,8 +38,8 @@ _CAR_MASS = 1500.0
 
 _MOTION = ("x", "y", "heading", "speed")
 _OTHER = (
-    "accel", "length", "width", "min_gap", "fastest", "mass", "serial", "vulnerable", "driven", "wheeled", "here",
-    "fresh", "sudden", "followed_at", "read_at",
+    "accel", "length", "width", "min_gap", "fastest", "brakes", "mass", "serial", "vulnerable", "driven", "wheeled",
+    "here", "fresh", "sudden", "followed_at", "read_at",
 )  # fmt: skip
 _ARRAYS = (*_MOTION, *("old_" + name for name in _MOTION), *_OTHER)
 _NEVER = -10  # no step, nor the one before it
@@ -68,6 +68,7 @@ class Traffic:
         old_x ... old_speed: the same a step earlier.
         length, width, min_gap, mass: [m], [m], [m], [kg].
         fastest: the highest speed it can reach [m/s].
+        brakes: how hard SUMO's driver may brake unless there is an emergency [m/s2].
         serial: running number of the vehicle or walker, from 1, which tells it from others that had its slot.
         vulnerable: a two-wheeler or a pedestrian.
         driven: a motor vehicle with a driver.
@@ -101,6 +102,7 @@ class Traffic:
         self.width: Floats = none
         self.min_gap: Floats = none
         self.fastest: Floats = none
+        self.brakes: Floats = none
         self.mass: Floats = none
         self.serial: Floats = none
         self.vulnerable: Bools = np.zeros(0, np.bool_)
@@ -256,6 +258,7 @@ class Traffic:
         slot = self.admit(vehicle, vclass, vtype, length=get.getLength(vehicle), width=get.getWidth(vehicle))
         self.slot[vehicle] = slot
         self.min_gap[slot], self.fastest[slot] = get.getMinGap(vehicle), get.getMaxSpeed(vehicle)
+        self.brakes[slot] = get.getDecel(vehicle)
         self.wheeled[slot] = True
         self.departed.append(slot)
         self.inserted += 1
@@ -273,7 +276,8 @@ class Traffic:
                 for array in _ARRAYS:
                     setattr(self, array, fitted(getattr(self, array), max(64, 2 * slot)))
         self.ids[slot], self.vclass[slot], self.vtype[slot] = name, vclass, vtype
-        self.length[slot], self.width[slot], self.min_gap[slot], self.fastest[slot] = length, width, 0.0, 0.0
+        self.length[slot], self.width[slot] = length, width
+        self.min_gap[slot] = self.fastest[slot] = self.brakes[slot] = 0.0
         self.wheeled[slot] = False
         self.read_at[slot] = self.followed_at[slot] = _NEVER
         self.mass[slot] = _MASS.get(vclass, _CAR_MASS)

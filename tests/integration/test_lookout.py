@@ -21,7 +21,7 @@ def targets(options, sensing, unnamed, steps=30):
     """The ego's target in each step, '' for none, where SUMO does not name its lead in the steps `unnamed`."""
     with Session([*options, *IMPOSED, "--step-length", "0.1"]) as session:
         t, network = Traffic(session.dt), Network()
-        leads, paths = Leads(t, t.dt), Paths(t, network)
+        leads, paths = Leads(t, cycle=t.dt, horizon=5.0), Paths(t, network)
         footpaths, eyes = Footpaths(t, paths, Walkers(t, network)), suite(sensing)
         candidates = Candidates(t, leads, paths, footpaths, Sightlines(t, walls()), eyes, Gaze.PATH)
         lookout = Lookout(t, candidates, eyes, Gaze.PATH, sublane=False, seed=1)

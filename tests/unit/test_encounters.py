@@ -21,7 +21,7 @@ def world(*vehicles):
 
 def followers(t, gap, wrecked=(False, False)):
     """The pairs when SUMO names vehicle 1 as the lead of vehicle 0."""
-    leads = Leads(t, t.dt)
+    leads = Leads(t, cycle=t.dt, horizon=5.0)
     leads.lead, leads.gap, leads.egos = np.array([1, -1]), np.array([gap, np.inf]), np.array([0])
     return following(t, leads, np.array(wrecked))
 

@@ -18,7 +18,7 @@ def motorists():
     traffic = Traffic(DT)
     traffic.slot["ego"] = traffic.admit("ego", "passenger", "car", length=4.6, width=1.8)
     warned = Warned(responds=1.0, delay_mean=2.0, delay_sd=0.0)
-    result = Motorists(traffic, Leads(traffic, DT), Profile(name="test", warned=warned), 1)
+    result = Motorists(traffic, Leads(traffic, cycle=DT, horizon=5.0), Profile(name="test", warned=warned), 1)
     result.hear(HEARD, [("ego", "lead")])
     return result
 
