@@ -9,7 +9,7 @@ from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.grip import Grip
 from aeb_sumo.lookout import Lookout, Targets
 from aeb_sumo.perception.suites import Suite
-from aeb_sumo.soa import Bools, Floats, Ints, fitted, joined, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, fitted, joined, mask, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.footpaths import Footpaths
@@ -124,7 +124,7 @@ class Fleet:
         seeing, targets = self._lookout.step(rows, braking=braking, time=time)
         # The strategy only has work where there is a target, or something to end.
         unfinished = rows[(self._last_phase[rows] > 0) | self._working(rows)]
-        unfinished = unfinished[~np.isin(unfinished, seeing)] if len(unfinished) else unfinished
+        unfinished = unfinished[~mask(seeing, t.capacity)[unfinished]] if len(unfinished) else unfinished
         rows = seeing
         if len(unfinished):
             rows = np.append(seeing, unfinished)

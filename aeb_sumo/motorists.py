@@ -273,7 +273,7 @@ class Motorists:
         braking = (t.followed & t.here & (t.accel < -self._least_surprise)).nonzero()[0]
         if not len(braking):
             return
-        rows = self._leads.behind(set(braking.tolist()))
+        rows = self._leads.behind(braking)
         rows = rows[t.driven[rows] & ~self.away[rows] & ~wrecked[rows]]
         slots = [slot for slot in rows.tolist() if slot not in self._reacting]
         self._look(slots)

@@ -3,7 +3,7 @@
 import libsumo
 import numpy as np
 
-from aeb_sumo.soa import Bools, Floats, Ints, fitted
+from aeb_sumo.soa import Bools, Floats, Ints, fitted, mask
 from aeb_sumo.world.observe import Traffic
 
 __all__ = ["REACH", "Leads"]
@@ -86,10 +86,10 @@ class Leads:
             self._now[slot] = (lead, answer[1] + float(t.min_gap[slot])) if lead >= 0 else (-1, np.inf)
         return self._now[slot]
 
-    def behind(self, slots: set[int]) -> Ints:
+    def behind(self, slots: Ints) -> Ints:
         """Slots of those whose last search has found one of these ahead."""
-        behind: Bools = np.isin(self.lead, list(slots)) & self._traffic.here
-        return behind.nonzero()[0]
+        t = self._traffic
+        return (mask(slots, t.capacity)[self.lead] & (self.lead >= 0) & t.here).nonzero()[0]
 
     def _enrol(self) -> None:
         """Who came takes his turn from now on; nobody is behind or ahead any more of who went."""

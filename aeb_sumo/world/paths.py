@@ -179,7 +179,8 @@ class Paths:
             far = 0.0
             if path is None:
                 if lane and not lane.startswith(":"):
-                    far = self._network.length(lane) - position - _BEFORE
+                    left = self._network.length(lane) - position
+                    far = left if left <= _BEFORE and self._is_last(vehicle) else left - _BEFORE
             else:
                 at = path.starts[lane] + position
                 if lane == path.to and position > t.length[slot] + _BEHIND:
@@ -242,6 +243,11 @@ class Paths:
             crossed.origin + zone.other_from,
             crossed.origin + zone.other_to,
         )
+
+    @staticmethod
+    def _is_last(vehicle: str) -> bool:
+        """Whether a vehicle's route ends on the edge where it is."""
+        return bool(libsumo.vehicle.getRouteIndex(vehicle) + 1 >= len(libsumo.vehicle.getRoute(vehicle)))
 
     def _path_from(self, vehicle: str, lane: str) -> Path | None:
         """The path on from a lane: through the next junction, or the one that the lane is inside of; None if none."""
