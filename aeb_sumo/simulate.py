@@ -2,6 +2,7 @@
 
 import tempfile
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -16,9 +17,11 @@ from aeb_sumo.fleet import Target
 from aeb_sumo.ledger.conflicts import Conflicts
 from aeb_sumo.ledger.crashes import Crashes
 from aeb_sumo.ledger.interventions import Action, Intervention, Interventions
+from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.ledger.traffic import TrafficBook
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.results import Results
+from aeb_sumo.results.writer import Writer
 from aeb_sumo.scenarios import Scenario
 from aeb_sumo.scenarios.options import start_options
 from aeb_sumo.strategies.base import Strategy
@@ -67,6 +70,8 @@ def run(
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    out: str | None = None,
+    run_id: str | None = None,
 ) -> Results:
     """Simulate a scenario with an AEB fleet.
 
@@ -93,13 +98,16 @@ def run(
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
         stop: asked after every step; True ends the run, whose tables are then marked as interrupted.
+        out: folder or fsspec URL that the rows go to as they come, so that memory does not grow with the duration; the
+            run is there when it has ended, as a whole, and takes the place of one of its id. None keeps them in memory.
+        run_id: name of the run in all tables; None for one made of scenario, equipment and seed.
 
     Returns:
-        The tables of `aeb_sumo.results.TABLES`, one run.
+        The tables of `aeb_sumo.results.TABLES`, one run; with `out`, all but `runs` without rows.
 
     Raises:
-        InputError: an argument is out of range, a strategy, suite or kind of vehicle is unknown, or SUMO refuses the
-            scenario.
+        InputError: an argument is out of range, a strategy, suite or kind of vehicle is unknown, SUMO refuses the
+            scenario, or `out` cannot be written to.
     """
     carried = equipment(strategy, sensing=sensing, penetration=penetration, equip=equip)
     for name, value in (("duration", duration), ("step length", step_length), ("interval", interval)):
@@ -120,11 +128,16 @@ def run(
                 raise InputError(f"blockage {blockage:g} s is longer than SUMO's time-to-teleport of {limit:g} s")
             stand = min(_BLOCKAGE, limit) if blockage is None else blockage
             carried.check_kinds(session.vehicle_types)
-            one = _Run(session, scenario, carried, stand, interval, trace, choice, forks, every=poll == "every")
-            try:
-                return one.simulate(span, progress, stop)
-            finally:
-                one.end_forks()
+            name = "-".join(filter(None, (Path(scenario.name).stem, scenario.variation)))
+            identity = carried.run_id(name, session.seed) if run_id is None else run_id
+            one = _Run(
+                session, scenario, carried, stand, interval, trace, choice, forks, identity, every=poll == "every"
+            )
+            with nullcontext() if out is None else Writer(out, identity) as writer:
+                try:
+                    return one.simulate(span, progress, stop, writer)
+                finally:
+                    one.end_forks()
 
 
 class _Run:
@@ -140,11 +153,12 @@ class _Run:
         trace: Recorder | None,
         choice: Choice,
         forks: int | None,
+        run_id: str,
         *,
         every: bool,
     ) -> None:
         self._session, self._scenario, self._carried = session, scenario, carried
-        self._blockage = blockage
+        self._blockage, self._run_id = blockage, run_id
         self._engine = engine = Engine(session, scenario, carried, blockage, every=every)
         self._conflicts = Conflicts(engine.traffic, engine.error, scenario.mu)
         self._verdicts = (
@@ -161,8 +175,15 @@ class _Run:
             trace.attend(engine)
 
     def simulate(
-        self, duration: float | None, progress: Callable[[Progress], None] | None, stop: Callable[[], bool] | None
+        self,
+        duration: float | None,
+        progress: Callable[[Progress], None] | None,
+        stop: Callable[[], bool] | None,
+        writer: Writer | None,
     ) -> Results:
+        if writer is not None:
+            for name, rows in self._rows.items():
+                rows.stream(partial(writer.put, name))
         begin, dt = self._session.begin, self._session.dt
         end = self._session.end if duration is None else begin + duration
         outcome, reason = "completed", ""
@@ -178,14 +199,14 @@ class _Run:
                         self._session.time - begin,
                         None if end is None else end - begin,
                         len(self._engine.traffic.present),
-                        len(self._crashes.rows),
+                        len(self._crashes),
                         len(self._interventions),
                     )
                 )
             if stop is not None and stop():
                 outcome = "interrupted"
                 break
-        return self._results(outcome, reason)
+        return self._results(outcome, reason, writer)
 
     def end_forks(self) -> None:
         """Give up the other worlds that are still out: there are some when the run was left by an exception."""
@@ -220,6 +241,7 @@ class _Run:
                 self._book.arrive(slot)
             else:
                 self._book.remove(slot)
+        self._crashes.reconcile(self._engine.wrecks.reported.keys(), {vehicle for _, vehicle in t.left})
         for slot in t.departed:
             system = fleet.system(slot)
             self._equipped += bool(system)
@@ -260,7 +282,17 @@ class _Run:
             ),
         )
 
-    def _results(self, outcome: str, reason: str) -> Results:
+    @property
+    def _rows(self) -> dict[str, Rows]:
+        """Those that come while the run goes, by table."""
+        return {
+            "crashes": self._crashes.rows,
+            "interventions": self._interventions.rows,
+            "conflicts": self._conflicts.rows,
+            "traffic": self._book.rows,
+        }
+
+    def _results(self, outcome: str, reason: str, writer: Writer | None) -> Results:
         session, engine = self._session, self._engine
         wrecks, audit = engine.wrecks, engine.override.audit
         self._interventions.close_all()
@@ -269,10 +301,8 @@ class _Run:
             self._interventions.flush()
         self._conflicts.close_all()
         self._book.close_interval(session.time)
-        confirmed = self._crashes.reconcile(wrecks.reported.keys())
-        name = "-".join(filter(None, (Path(self._scenario.name).stem, self._scenario.variation)))
-        run_id = self._carried.run_id(name, session.seed)
-        runs = {
+        self._crashes.reconcile(wrecks.reported.keys())
+        run = {
             "scenario": self._scenario.name,
             "strategy": self._carried.name,
             "sensing": self._carried.sensing,
@@ -292,10 +322,10 @@ class _Run:
             "reason": reason,
             "vehicles": engine.traffic.inserted,
             "equipped": self._equipped,
-            "crashes": len(self._crashes.rows),
+            "crashes": len(self._crashes),
             "sumo_collisions": len(wrecks.reported),
-            "confirmed_by_sumo": confirmed,
-            "sumo_only": len(wrecks.reported) - confirmed,
+            "confirmed_by_sumo": self._crashes.confirmed,
+            "sumo_only": len(wrecks.reported) - self._crashes.confirmed,
             "contacts_dismissed": len(wrecks.dismissed),
             "override_commands": audit.commands,
             "override_violations": audit.violations,
@@ -304,12 +334,13 @@ class _Run:
             "aeb_sumo_version": aeb_sumo.__version__,
             "sumo_version": session.version,
         }
-        tables = {
-            "runs": [runs],
-            "crashes": self._crashes.rows,
-            "exposure": self._book.exposure(),
-            "traffic": self._book.rows,
-        }
-        of_run = {name: [{"run_id": run_id, **row} for row in rows] for name, rows in tables.items()}
-        packed = {"interventions": self._interventions.rows, "conflicts": self._conflicts.rows}
-        return Results.of(of_run | {name: rows.of_run(run_id) for name, rows in packed.items()})
+        exposure = Rows("exposure")
+        if writer is not None:
+            exposure.stream(partial(writer.put, "exposure"))
+        for row in self._book.exposure():
+            exposure.append(row)
+        books = self._rows | {"exposure": exposure}
+        tables = {name: rows.of_run(self._run_id) for name, rows in books.items()}
+        if writer is not None:
+            writer.commit(run)
+        return Results.of(tables | {"runs": [{"run_id": self._run_id} | run]})

@@ -1,7 +1,8 @@
 """Analysis of aeb-sumo's tables, pandas in and out. Needs no SUMO.
 
-data = analysis.load("results")
-data.crashes                      # one of the tables, a DataFrame
+data = analysis.load("results")   # or a URL, and some runs: filters=[("strategy", "==", "zhao2025")]
+data.crashes                      # one of the tables, a DataFrame, read when it is asked for
+data.read("interventions", ["strategy", "verdict"], [("phase", "!=", "warn")])  # some columns and rows of one
 analysis.summary(data)            # everything at a glance, one column per group of runs
 """
 

@@ -15,6 +15,11 @@ from analysis.throughput import throughput
 
 __all__ = ["compare", "summary"]
 
+_OF_INTERVENTIONS = [
+    *("phase", "target_kind", "strategy", "verdict"),
+    *("trigger_ttc_s", "max_decel_mps2", "speed_reduction_mps"),
+]
+_OF_CONFLICTS = ["kind", "near_crash", "pet_s", "exposed_s"]
 _SECTIONS = ("runs", "crashes", "conflicts", "interventions", "verdicts", "traffic", "checks")
 
 
@@ -22,7 +27,8 @@ def _figures(part: Dataset) -> dict[tuple[str, str, str], Any]:
     """All figures of one group of runs: (section, figure, unit) -> value."""
     (rate,) = crash_rates(part).itertuples()
     (ratio,) = near_crash_ratio(part).itertuples()
-    crashes, interventions, conflicts, runs = part.crashes, part.interventions, part.conflicts, part.runs
+    crashes, runs = part.crashes, part.runs
+    interventions, conflicts = part.read("interventions", _OF_INTERVENTIONS), part.read("conflicts", _OF_CONFLICTS)
     braking = interventions[interventions["phase"] != "warn"]
     km = equipped_km(part)
     figures: dict[tuple[str, str, str], Any] = {("runs", "runs", ""): len(runs)}

@@ -14,8 +14,8 @@ _QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 def conflict_counts(data: Dataset, by: str | list[str] = "kind") -> pd.DataFrame:
     """Conflicts by one or more columns of `conflicts`, one column per group of runs."""
-    groups = data.by_group()
-    counts = pd.DataFrame({name: part.conflicts[by].value_counts() for name, part in groups.items()})
+    groups, columns = data.by_group(), [by] if isinstance(by, str) else by
+    counts = pd.DataFrame({name: part.read("conflicts", columns)[by].value_counts() for name, part in groups.items()})
     return counts.reindex(columns=list(groups)).fillna(0).astype("int64").sort_index().rename_axis(columns="group")
 
 
@@ -27,7 +27,8 @@ def conflict_statistics(data: Dataset) -> pd.DataFrame:
     """
     rows = []
     for name, part in data.by_group().items():
-        for kind, some in part.conflicts[~part.conflicts["crashed"].astype(bool)].groupby("kind"):
+        conflicts = part.read("conflicts", ["kind", "crashed", *_STATISTICS])
+        for kind, some in conflicts[~conflicts["crashed"].astype(bool)].groupby("kind"):
             for measure in _STATISTICS:
                 values = some[measure].replace([np.inf, -np.inf], np.nan).dropna()
                 row = {"group": name, "kind": kind, "measure": measure, "count": len(values)}
@@ -48,7 +49,8 @@ def near_crash_ratio(data: Dataset, confidence: float = 0.95) -> pd.DataFrame:
     """
     rows = {}
     for name, part in data.by_group().items():
-        primary = part.conflicts[~part.conflicts["secondary"].astype(bool) & (part.conflicts["kind"] == "following")]
+        conflicts = part.read("conflicts", ["kind", "secondary", "near_crash"])
+        primary = conflicts[~conflicts["secondary"].astype(bool) & (conflicts["kind"] == "following")]
         near = int(primary["near_crash"].sum())
         crashes = int(((part.crashes["kind"] == "rear_end") & ~part.crashes["secondary"].astype(bool)).sum())
         tail = (1 - confidence) / 2

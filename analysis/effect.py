@@ -24,6 +24,9 @@ _FIGURES = (
 )
 
 
+_OF_TRAFFIC = ["run_id", "distance_m", "time_s", "delay_s", "arrived"]
+
+
 def run_figures(data: Dataset) -> pd.DataFrame:
     """What figures are made of, per run.
 
@@ -33,7 +36,7 @@ def run_figures(data: Dataset) -> pd.DataFrame:
         `hours` simulated.
     """
     runs = data.runs.set_index("run_id")
-    crashes, traffic = data.crashes, data.traffic.groupby("run_id")
+    crashes, traffic = data.crashes, data.read("traffic", _OF_TRAFFIC).groupby("run_id")
     of_run = crashes.groupby("run_id")
     table = pd.DataFrame(index=runs.index)
     table["runs"] = 1.0

@@ -20,8 +20,10 @@ def equipped_km(part: Dataset) -> pd.Series:
 
 def intervention_counts(data: Dataset, by: str | list[str] = "phase") -> pd.DataFrame:
     """Interventions by one or more columns of `interventions`, one column per group of runs."""
-    groups = data.by_group()
-    counts = pd.DataFrame({name: part.interventions[by].value_counts() for name, part in groups.items()})
+    groups, columns = data.by_group(), [by] if isinstance(by, str) else by
+    counts = pd.DataFrame(
+        {name: part.read("interventions", columns)[by].value_counts() for name, part in groups.items()}
+    )
     return counts.reindex(columns=list(groups)).fillna(0).astype("int64").sort_index().rename_axis(columns="group")
 
 
@@ -36,7 +38,7 @@ def intervention_statistics(data: Dataset, confidence: float = 0.95) -> pd.DataF
     rows = []
     for name, part in data.by_group().items():
         km = equipped_km(part)
-        for (system, phase, kind), some in part.interventions.groupby(_BY):
+        for (system, phase, kind), some in part.read("interventions", [*_BY, *_STATISTICS]).groupby(_BY):
             rate = poisson_rate(len(some), km.get(system, 0.0) / 1000, confidence)
             row = {"group": name, "strategy": system, "phase": phase, "target_kind": kind, "count": len(some)}
             row |= {"per_1000_km": rate.rate, "low": rate.low, "high": rate.high}

@@ -109,7 +109,7 @@ def pairs(data: Dataset, baseline: str = "none") -> pd.DataFrame:
         rows[name], rows[f"baseline_{name}"] = both[f"{name}_1"], both[f"{name}_0"]
     change = np.sign(_change(rows)).map({-1.0: "mitigated", 0.0: "unchanged", 1.0: "worsened"})
     rows["outcome"] = change.where(in_baseline & in_aeb, np.where(in_aeb, "new", "avoided")).astype(str)
-    acted = _acted(rows, data.interventions)
+    acted = _acted(rows, data.read("interventions", ["run_id", "vehicle", "begin_s"]))
     rows["how"] = np.where(rows["outcome"] != "avoided", "", np.where(acted, "intervened", "diverged"))
     rows["order"] = rows["run_id"].map({run: k for k, run in enumerate(of_run["run_id"])})
     rows["when"] = rows["baseline_time_s"].fillna(rows["time_s"])
@@ -132,8 +132,7 @@ def _change(rows: pd.DataFrame) -> pd.Series:
 
 def _acted(rows: pd.DataFrame, interventions: pd.DataFrame) -> pd.Series:
     """Whether an AEB of one of the two acted, on whomever, around the time of the baseline's crash."""
-    acts = interventions[["run_id", "vehicle", "begin_s"]]
     either = [rows.reset_index(names="row").assign(vehicle=rows[one].to_numpy()) for one in ("first", "second")]
-    found = pd.concat(either).merge(acts, on=["run_id", "vehicle"])
+    found = pd.concat(either).merge(interventions, on=["run_id", "vehicle"])
     since = found["begin_s"] - found["baseline_time_s"]
     return pd.Series(rows.index.isin(found.loc[since.between(-_BEFORE, _AFTER), "row"]), index=rows.index)

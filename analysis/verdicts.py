@@ -35,15 +35,17 @@ def _place(lanes: pd.Series) -> pd.Series:
     return edges.where(~inside, "junction " + edges.str.slice(1).str.replace(r"_\d+$", "", regex=True))
 
 
-def _judged(part: Dataset) -> pd.DataFrame:
-    """Interventions with a verdict, and the column `place`."""
-    judged = part.interventions[part.interventions["verdict"].isin(VERDICTS)]
-    return judged.assign(place=_place(judged["lane"]))
+def _judged(part: Dataset, *columns: str | None) -> pd.DataFrame:
+    """Some columns, of which None is none, of the interventions with a verdict; `place` is one of them."""
+    names = ["verdict", *("lane" if name == "place" else name for name in columns if name is not None)]
+    judged = part.read("interventions", names, [("verdict", "in", list(VERDICTS))])
+    return judged.assign(place=_place(judged["lane"])) if "place" in columns else judged
 
 
 def _judged_km(part: Dataset) -> float:
     """Distance driven with an AEB that the verdicts stand for [km]."""
-    every = part.interventions["verdict"].isin(VERDICTS).groupby(part.interventions["run_id"]).mean()
+    interventions = part.read("interventions", ["run_id", "verdict"])
+    every = interventions["verdict"].isin(VERDICTS).groupby(interventions["run_id"]).mean()
     km = part.exposure[part.exposure["equipped"]].groupby("run_id")["distance_m"].sum() / 1000
     return float((km * every.reindex(km.index).fillna(1.0)).sum())
 
@@ -57,7 +59,7 @@ def verdict_counts(data: Dataset, by: str | None = None) -> pd.DataFrame:
     """
     keys = ["verdict"] if by is None else [by, "verdict"]
     groups = data.by_group()
-    counts = pd.DataFrame({name: _judged(part).groupby(keys).size() for name, part in groups.items()})
+    counts = pd.DataFrame({name: _judged(part, by).groupby(keys).size() for name, part in groups.items()})
     counts = counts.reindex(columns=list(groups)).fillna(0).astype("int64").rename_axis(columns="group")
     if by is None:
         return counts.reindex(list(VERDICTS), fill_value=0).rename_axis("verdict")
@@ -104,13 +106,13 @@ def precision_recall(data: Dataset, by: str | None = None, confidence: float = 0
     """
     rows = []
     for name, part in data.by_group().items():
-        judged = _judged(part)
+        judged = _judged(part, by)
         if judged.empty:
             continue
         struck = part.crashes[part.crashes["striker_equipped"].astype(bool)]
         struck = struck.assign(place=_place(struck["lane"]))
         values = [None] if by is None else sorted({*judged[by], *(struck[_CRASHES[by]] if by in _CRASHES else ())})
-        sampled = len(judged) < len(part.interventions)
+        sampled = len(judged) < part.count("interventions")
         for value in values:
             own = judged if by is None else judged[judged[by] == value]
             hit = struck if by is None or by not in _CRASHES else struck[struck[_CRASHES[by]] == value]
@@ -159,7 +161,7 @@ def passed_on(data: Dataset, confidence: float = 0.95) -> pd.DataFrame:
     """
     rows = []
     for name, part in data.by_group().items():
-        judged = _judged(part)
+        judged = _judged(part, "with_follower_decel_mps2", "without_follower_decel_mps2")
         judged = judged[judged["verdict"].isin(_KNOWN)]
         hard = (judged["with_follower_decel_mps2"] > EVASIVE) & ~(judged["without_follower_decel_mps2"] > EVASIVE)
         for verdict in [v for v in _KNOWN if (judged["verdict"] == v).any()]:

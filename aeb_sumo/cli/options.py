@@ -11,6 +11,7 @@ from aeb_sumo import results as store
 from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import parse, read_file
 from aeb_sumo.perception.suites import SUITES, suite
+from aeb_sumo.results.place import Place
 
 __all__ = ["new_folder", "scenario_options", "system_options"]
 
@@ -59,13 +60,13 @@ def scenario_options(command: C) -> C:
     return with_variation  # type: ignore[return-value]
 
 
-def new_folder(name: str) -> Path:
-    """The folder for the tables, which must not hold any yet."""
-    folder = Path(name)
+def new_folder(name: str) -> Place:
+    """The place for the tables, a local folder or an fsspec URL, which must not hold any yet."""
     if not name.strip():
         raise InputError("--out is empty; name a new or empty folder")
-    if folder.exists() and not folder.is_dir():
+    place = Place.of(name)
+    if place.local is not None and place.local.exists() and not place.local.is_dir():
         raise InputError(f"--out {name} is a file, not a folder")
-    if store.holds_results(folder):
+    if store.holds_results(name):
         raise InputError(f"--out {name} already holds results; name a new or empty folder")
-    return folder
+    return place

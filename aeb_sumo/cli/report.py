@@ -7,6 +7,7 @@ import click
 import analysis
 from aeb_sumo import scenarios
 from aeb_sumo.errors import InputError
+from aeb_sumo.results.place import Place
 from aeb_sumo.world.sumocfg import read
 from analysis.report import render
 
@@ -14,14 +15,17 @@ __all__ = ["report"]
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder")
 @click.option("--out", type=click.Path(path_type=Path), help="The file to write. [default: report.html in FOLDER]")
 @click.option("--title", default="", help="Of the page. [default: systems and scenarios]")
-def report(folder: Path, out: Path | None, title: str) -> int:
-    """Write one self-contained HTML page about the results in FOLDER."""
-    if not folder.is_dir():
+def report(folder: str, out: Path | None, title: str) -> int:
+    """Write one self-contained HTML page about the results in FOLDER, or at an fsspec URL."""
+    local = Place.of(folder).local
+    if local is not None and not local.is_dir():
         raise InputError(f"no folder {folder}: name a folder with results, as `aeb-sumo run --out` makes them")
-    target = folder / "report.html" if out is None else out
+    target = out or (local and local / "report.html")
+    if target is None:
+        raise InputError(f"--out is missing: name a file for the report about {folder}")
     if target.is_dir() or not target.parent.is_dir():
         raise InputError(f"--out {target}: name a file in an existing folder")
     data = analysis.load(folder)

@@ -51,7 +51,13 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
     show_default=True,
     help="Interventions judged by a fork of the world without them: all, none or sample:N.",
 )
-@click.option("--out", help="Folder for the tables. [default: none, only printed]")
+@click.option(
+    "--poll",
+    default="needed",
+    show_default=True,
+    help="Vehicles read in a step: needed, where a conflict is possible, or every, which is slow and gives the same.",
+)
+@click.option("--out", help="Folder for the tables, or an fsspec URL. [default: none, only printed]")
 @click.option("--compare", is_flag=True, help="Run the baseline too, same seed, and print both side by side.")
 @click.option(
     "--ceilings", "with_ceilings", is_flag=True, help="Ask of every crash of the baseline who could have avoided it."
@@ -92,30 +98,34 @@ def run(
             strategy, sensing=sensing, penetration=penetration, equip=Equipment.parse(equip, parameters)
         )
     _check(carried, compare=compare, with_ceilings=with_ceilings)
-    folder = None if out is None else new_folder(out)
+    folder = None if out is None else new_folder(out).local
     console = Console(stderr=True)
     done: list[Results] = []
     with _interruptible() as stop:
         for each in (Equipment(), carried) if compare else (carried,):
+            more = with_ceilings and not each.systems  # is to come before the run exists
             with _sumo_folder(folder, each.folder) as sumo_output, _progress(console, each.name, quiet) as progress:
-                one = simulate(chosen, equip=each, sumo_output=sumo_output, progress=progress, stop=stop, **options)
-            if with_ceilings and not each.systems:
+                one = simulate(
+                    chosen, equip=each, sumo_output=sumo_output, progress=progress, stop=stop,
+                    out=None if more else out, **options,
+                )  # fmt: skip
+            if more:
                 with _progress(console, "ceilings", quiet) as progress:
                     one = ceilings(chosen, one, beside=carried, progress=progress, stop=stop)
-            if folder is not None:
-                store.write(one, folder)
+                if out is not None:
+                    store.write(one, out)
             done.append(one)
             if one.runs["outcome"].iloc[0] != "completed":
                 break
     if not quiet:
-        data = analysis.Dataset.of(Results.joined(done))
+        data = analysis.load(out) if out is not None else analysis.Dataset.of(Results.joined(done))
         print_summary(analysis.summary(data), chosen.name)
         if compare and len(done) == 2:
             _print_pairs(data)
-        if with_ceilings and len(done[0].tables["ceilings"]):
-            print_frame(analysis.ceiling_shares(analysis.Dataset.of(done[0])), "crashes of the baseline avoided by")
-        if folder is not None:
-            click.echo(f"Tables in {folder}: pandas.read_parquet('{folder}/crashes'), or analysis.load('{folder}').")
+        if with_ceilings and len(data.ceilings):
+            print_frame(analysis.ceiling_shares(data), "crashes of the baseline avoided by")
+        if out is not None:
+            click.echo(f"Tables in {out}: pandas.read_parquet('{out}/crashes'), or analysis.load('{out}').")
     step = float(done[-1].runs["step_length_s"].iloc[0])
     if step > _LONG_STEP:
         click.echo(f"aeb-sumo: note: an AEB that acts every {step:g} s only is not what it was published as", err=True)

@@ -73,8 +73,8 @@ def sweep(
         )  # fmt: skip
     if folder is not None:
         for one in results:
-            store.write(one, folder)
-        click.echo(f"Tables in {folder}.")
+            store.write(one, folder.name)
+        click.echo(f"Tables in {folder.name}.")
     parts = {
         f"{name}={value:g}": Results.joined([*results[:seeds], *results[(k + 1) * seeds : (k + 2) * seeds]])
         for k, value in enumerate(values)

@@ -1,7 +1,5 @@
 """`aeb-sumo compare` and `aeb-sumo tables`."""
 
-from pathlib import Path
-
 import click
 from rich.table import Table
 
@@ -16,19 +14,22 @@ _PRICED = ("delay", "flow", "mean speed")  # of the effect, which the price has 
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
-@click.argument("other", type=click.Path(path_type=Path), required=False)
-def compare(folder: Path, other: Path | None) -> int:
-    """Print the figures of one or two results folders side by side."""
+@click.argument("folder")
+@click.argument("other", required=False)
+def compare(folder: str, other: str | None) -> int:
+    """Print the figures of one or two results folders, or fsspec URLs, side by side."""
     # Two folders of the same name still need two names.
-    names = [str(folder)] if other is None else [str(folder), str(other) if other != folder else f"{other} (again)"]
+    names = [folder] if other is None else [folder, other if other != folder else f"{other} (again)"]
     data = {name: analysis.load(path) for name, path in zip(names, (folder, other), strict=False) if path is not None}
     if other is None:
         print_summary(analysis.summary(data[names[0]]), names[0])
     else:
         print_summary(analysis.compare(**data), " | ".join(names))
     for name, each in data.items():
-        if len(each.interventions):
+        if count := len(each.died):
+            reasons = ", ".join(sorted(set(each.died["reason"])))
+            click.echo(f"aeb-sumo: note: {name}: {count} runs died or hung and count nowhere: {reasons}", err=True)
+        if each.count("interventions"):
             print_frame(analysis.intervention_statistics(each), f"{name}: interventions")
         quality = analysis.precision_recall(each)
         if len(quality):

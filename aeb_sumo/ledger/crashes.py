@@ -1,11 +1,13 @@
 """Crashes: one row each, with what both did and carried, and what it did to them."""
 
+from collections import deque
 from collections.abc import Callable, Collection
 from typing import Any
 
 import numpy as np
 
 from aeb_sumo.fleets import Fleets
+from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.ledger.severity import risks
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.wrecks import Crash
@@ -22,18 +24,25 @@ class Crashes:
         error: names the error that the driver in one slot makes towards that in another, or is empty.
 
     Attributes:
-        rows: in the order of time, all but what SUMO's own check said of them.
+        rows: in the order of time, once nothing more is to come of what SUMO's own check says of them.
+        confirmed: how many of these it has reported.
     """
 
     def __init__(self, traffic: Traffic, fleet: Fleets, error: Callable[[int, int], str]) -> None:
         self._traffic, self._fleet, self._error = traffic, fleet, error
-        self.rows: list[dict[str, Any]] = []
+        self.rows = Rows("crashes")
+        self.confirmed = 0
+        self._count = 0
+        self._fresh: deque[dict[str, Any]] = deque()  # of which the check may yet say something
+
+    def __len__(self) -> int:
+        return self._count
 
     def book(self, crash: Crash) -> None:
         """A crash has happened."""
         t, hit = self._traffic, crash.impact
         row = {
-            "crash_id": len(self.rows),
+            "crash_id": self._count,
             "time_s": hit.time,
             "kind": crash.kind,
             "typology": crash.typology,
@@ -59,10 +68,21 @@ class Crashes:
                 f"{who}_strategy": self._fleet.system(slot),
                 f"{who}_error": self._error(slot, other),
             }
-        self.rows.append(row | risks(hit, crash.kind, t.vclass))
+        self._fresh.append(row | risks(hit, crash.kind, t.vclass))
+        self._count += 1
 
-    def reconcile(self, reported: Collection[tuple[str, ...]]) -> int:
-        """Mark the crashes whose pair, in alphabetical order, SUMO's own collision check reported; returns how many."""
-        for row in self.rows:
-            row["sumo_reported"] = tuple(sorted((row["striker"], row["struck"]))) in reported
-        return sum(row["sumo_reported"] for row in self.rows)
+    def reconcile(self, reported: Collection[tuple[str, ...]], gone: Collection[str] | None = None) -> None:
+        """Write down the crashes of which all is known: whether SUMO's own check has reported them.
+
+        Args:
+            reported: its pairs, in alphabetical order.
+            gone: who has left the road and cannot be reported any more; None for everybody, at the end of the run.
+        """
+        for row in self._fresh:
+            pair = tuple(sorted((row["striker"], row["struck"])))
+            if gone is None or pair[0] in gone or pair[1] in gone:
+                row.setdefault("sumo_reported", pair in reported)
+        while self._fresh and "sumo_reported" in self._fresh[0]:
+            row = self._fresh.popleft()
+            self.confirmed += row["sumo_reported"]
+            self.rows.append(row)

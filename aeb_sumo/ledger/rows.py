@@ -1,11 +1,12 @@
-"""Finished rows of a table, packed as they come, so that a long run costs little memory."""
+"""Finished rows of a table, packed as they come, and kept or passed on, so that a long run costs little memory."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pyarrow as pa
 
 from aeb_sumo.results.schema import TABLES
+from aeb_sumo.results.writer import of_run
 
 __all__ = ["Rows"]
 
@@ -17,12 +18,15 @@ class Rows:
 
     Args:
         table: its name in `TABLES`.
+        pack: so many rows at a time, our assumption.
 
-    The column `run_id` is not known before the end: `of_run` adds it.
+    They lack the column `run_id`, which `of_run` adds.
     """
 
-    def __init__(self, table: str) -> None:
-        self._schema: pa.Schema = TABLES[table].arrow()
+    def __init__(self, table: str, *, pack: int = _PACK) -> None:
+        self._table, self._size = table, pack
+        self._schema: pa.Schema = TABLES[table].arrow().remove(0)
+        self._put: Callable[[pa.RecordBatch], None] | None = None
         self._packed: list[pa.RecordBatch] = []
         self._loose: list[Mapping[str, Any]] = []
         self._count = 0
@@ -34,16 +38,22 @@ class Rows:
         """Add a finished row; it must not change afterwards."""
         self._loose.append(row)
         self._count += 1
-        if len(self._loose) >= _PACK:
+        if len(self._loose) >= self._size:
             self._pack()
 
+    def stream(self, put: Callable[[pa.RecordBatch], None]) -> None:
+        """Pass rows on from now on, some hundred at a time, and keep none."""
+        self._put = put
+
     def _pack(self) -> None:
-        self._packed.append(pa.RecordBatch.from_pylist(self._loose, schema=self._schema.remove(0)))
+        batch = pa.RecordBatch.from_pylist(self._loose, schema=self._schema)
         self._loose = []
+        if self._put is None:
+            self._packed.append(batch)
+        else:
+            self._put(batch)
 
     def of_run(self, run_id: str) -> pa.Table:
-        """All rows, as rows of a run."""
+        """All rows that are kept, as rows of a run; the last ones are passed on where they are not kept."""
         self._pack()
-        table = pa.Table.from_batches(self._packed, schema=self._schema.remove(0))
-        runs = pa.repeat(pa.scalar(run_id), len(table))
-        return table.add_column(0, self._schema.field(0), runs).cast(self._schema)
+        return of_run(pa.Table.from_batches(self._packed, schema=self._schema), self._table, run_id)

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from aeb_sumo.ledger.queues import Queues
+from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import pending, trips
@@ -44,7 +45,7 @@ class TrafficBook:
         self._exposure = np.zeros((0, 3))  # vehicles, distance, time
         self._current = np.zeros((0, len(_AT)))
         self._waited: dict[str, float] = {}  # by class [s]
-        self.rows: list[dict[str, Any]] = []
+        self.rows = Rows("traffic")
 
     def depart(self, slot: int, strategy: str = "") -> None:
         """A vehicle enters, with an AEB system or without."""

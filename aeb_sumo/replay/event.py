@@ -11,7 +11,7 @@ import pandas as pd
 from aeb_sumo.equipment import System
 from aeb_sumo.errors import InputError
 from aeb_sumo.repeat import settings
-from aeb_sumo.results import Results, read
+from aeb_sumo.results.reader import Stored
 
 __all__ = ["RECENT", "Event", "find"]
 
@@ -83,36 +83,30 @@ def find(folder: Path, text: str, run_id: str | None = None) -> Event:
     if written is None:
         raise InputError(f"cannot read the event {text!r}; write crash:ID or intervention:ID, for example crash:0")
     kind, number = written[1], int(written[2])
-    results = read(folder)
-    runs, (name, column) = results.runs, _NUMBERS[kind]
-    table = results.frame(name)
+    stored, (name, column) = Stored.of(folder), _NUMBERS[kind]
+    runs: pd.DataFrame = stored.read("runs").to_pandas()
     if run_id is not None and run_id not in set(runs["run_id"]):
         raise InputError(f"no run {run_id!r} in {folder}; there are: {_listed(runs['run_id'])}")
-    numbered = table[table[column] == number]
-    found = numbered if run_id is None else numbered[numbered["run_id"] == run_id]
+    chosen = stored if run_id is None else stored.only([run_id])
+    found: pd.DataFrame = chosen.read(name, filters=[(column, "==", number)]).to_pandas()
     if found.empty:
-        counts = table.groupby("run_id").size().reindex(runs["run_id"], fill_value=0)
-        there = _listed([f"{count} in {run}" for run, count in counts.items() if run_id in (None, run)])
+        counts = chosen.read(name, columns=["run_id"]).to_pandas().value_counts("run_id")
+        there = _listed([f"{counts.get(run, 0)} in {run}" for run in chosen.run_ids])
         raise InputError(f"no {text} in {folder}; ids count from 0, and there are so many {name}: {there}")
     if len(found) > 1:
         raise InputError(f"{text} is in {len(found)} runs; choose one with --run: {_listed(found['run_id'])}")
     row = _row(found)
     run = _row(runs[runs["run_id"] == row["run_id"]])
-    intervention = row if kind == "intervention" else _intervention(results, row)
-    return Event(
-        kind=kind, number=number, run=run, row=row, intervention=intervention, system=_system(results.runs, run)
-    )
+    intervention = row if kind == "intervention" else _intervention(stored.only([row["run_id"]]), row)
+    lived = runs[runs["end_s"].notna()]
+    return Event(kind=kind, number=number, run=run, row=row, intervention=intervention, system=_system(lived, run))
 
 
-def _intervention(results: Results, crash: Row) -> Row | None:
+def _intervention(stored: Stored, crash: Row) -> Row | None:
     """The last intervention by one of the two that was under way or just over; those on the other come first."""
-    table, pair = results.interventions, (crash["striker"], crash["struck"])
-    near = table[
-        (table["run_id"] == crash["run_id"])
-        & table["vehicle"].isin(pair)
-        & (table["begin_s"] <= crash["time_s"])
-        & (table["end_s"] >= crash["time_s"] - RECENT)
-    ]
+    pair, time = (crash["striker"], crash["struck"]), crash["time_s"]
+    filters = [("vehicle", "in", pair), ("begin_s", "<=", time), ("end_s", ">=", time - RECENT)]
+    near: pd.DataFrame = stored.read("interventions", filters=filters).to_pandas()
     if near.empty:
         return None
     ordered = near.assign(mutual=near["target"].isin(pair)).sort_values(["mutual", "begin_s"], kind="stable")

@@ -5,6 +5,7 @@ pandas) and the empty string for names.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import pyarrow as pa
@@ -36,6 +37,10 @@ class Table:
 
     def arrow(self) -> pa.Schema:
         """Arrow schema, with unit and meaning as metadata of each field."""
+        return self._arrow
+
+    @cached_property
+    def _arrow(self) -> pa.Schema:
         types = {"string": pa.string(), "int64": pa.int64(), "float64": pa.float64(), "bool": pa.bool_()}
         return pa.schema(
             [pa.field(c.name, types[c.dtype], metadata={"unit": c.unit, "meaning": c.meaning}) for c in self.columns],
@@ -65,14 +70,24 @@ _RUNS = _table(
     ("drivers", "string", "-", "driver profile, by name or file"),
     ("step_length_s", "float64", "s", "step of the simulation"),
     ("begin_s", "float64", "s", "simulated time at the start"),
-    ("end_s", "float64", "s", "simulated time reached"),
+    (
+        "end_s",
+        "float64",
+        "s",
+        "simulated time reached; null for a run that died or hung, of which nothing else is known",
+    ),
     ("demand", "float64", "-", "factor on all flows of the scenario"),
     ("ebike_share", "float64", "-", "of the road users; null where the scenario does not have it as a parameter"),
     ("weather", "string", "-", "`dry` or `wet`, as asked for; empty where nothing was said of it"),
     ("mu", "float64", "-", "friction coefficient of the road, where nothing else is said of it"),
     ("blockage_s", "float64", "s", "how long crashed vehicles stand before they leave"),
-    ("outcome", "string", "-", "`completed`, `interrupted` (by the user) or `failed` (SUMO gave up)"),
-    ("reason", "string", "-", "why it failed, in SUMO's words"),
+    (
+        "outcome",
+        "string",
+        "-",
+        "`completed`, `interrupted` (by the user) or `failed` (SUMO gave up, or the run died or hung)",
+    ),
+    ("reason", "string", "-", "why it failed"),
     ("vehicles", "int64", "-", "vehicles that departed"),
     ("equipped", "int64", "-", "of these, vehicles with an AEB"),
     ("crashes", "int64", "-", "rows of this run in `crashes`"),

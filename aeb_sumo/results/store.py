@@ -1,6 +1,9 @@
-"""Tables in memory and on disk: `DIR/<table>/<run_id>.parquet`."""
+"""Tables in memory and on disk: `DIR/<table>/<run_id>.parquet`.
 
-import os
+A run exists if and only if its file in `runs` does: that one is written last, and all readers ignore files of other
+tables without it.
+"""
+
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,13 +11,16 @@ from typing import Any
 
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from aeb_sumo.errors import InputError
-from aeb_sumo.results.schema import SCHEMA_VERSION, TABLES
+from aeb_sumo.results.place import Place
+from aeb_sumo.results.reader import Stored
+from aeb_sumo.results.schema import TABLES
+from aeb_sumo.results.writer import Writer
 
-__all__ = ["Results", "holds_results", "read", "write"]
+__all__ = ["Results", "commit_failure", "finished", "holds_results", "read", "write"]
 
+_DIED = {"outcome": "failed", "end_s": None}
 Rows = Iterable[Mapping[str, Any]]  # or an Arrow table, which ships no types
 
 
@@ -55,56 +61,65 @@ def _table(rows: Any, schema: pa.Schema) -> pa.Table:
     return rows if isinstance(rows, pa.Table) else pa.Table.from_pylist(list(rows), schema=schema)
 
 
-def holds_results(folder: str | Path) -> bool:
-    """Whether any table is there."""
-    return any((Path(folder) / name).exists() for name in TABLES)
-
-
-def write(results: Results, folder: str | Path) -> None:
-    """Write the tables of one run into `folder`, each complete or not at all; `runs` comes last.
+def finished(out: str | Path) -> set[str]:
+    """Ids of the runs that exist in a local folder or at an fsspec URL; none if it is not there.
 
     Raises:
-        InputError: the folder cannot be written.
+        InputError: it cannot be listed.
     """
-    (run_id,) = results.tables["runs"]["run_id"].to_pylist()
+    return Place.of(out).runs_of("runs")
+
+
+def holds_results(out: str | Path) -> bool:
+    """Whether any run exists there."""
+    return bool(finished(out))
+
+
+def write(results: Results, out: str | Path) -> None:
+    """Write the tables of one run, which is there as a whole or not at all, and takes the place of one of its id.
+
+    Args:
+        results: of one run.
+        out: local folder or fsspec URL.
+
+    Raises:
+        InputError: it cannot be written to.
+    """
+    (run,) = results.tables["runs"].to_pylist()
+    with Writer(out, run.pop("run_id")) as writer:
+        for name, table in results.tables.items():
+            for batch in table.drop_columns("run_id").to_batches() if name != "runs" else ():
+                writer.put(name, batch)
+        writer.commit(run)
+
+
+def commit_failure(out: str | Path, row: Mapping[str, Any]) -> None:
+    """Write down a run that died or hung: a row in `runs`, and all other tables without rows.
+
+    Args:
+        out: local folder or fsspec URL.
+        row: columns of `runs`, of which `run_id` must be there; the outcome is `failed`, and no time was reached.
+
+    Raises:
+        InputError: a column does not exist, a value is of another type, or it cannot be written.
+    """
+    columns = [c.name for c in TABLES["runs"].columns]
+    if unknown := sorted({*row} - {*columns}):
+        raise InputError(f"table runs has no column {unknown[0]!r}; there are: {', '.join(columns)}")
+    if "run_id" not in row:
+        raise InputError("a row of runs needs its run_id")
     try:
-        for name in sorted(TABLES, key=lambda n: n == "runs"):
-            target = Path(folder) / name / f"{run_id}.parquet"
-            target.parent.mkdir(parents=True, exist_ok=True)
-            partial = target.with_name(f".{target.name}.partial")
-            pq.write_table(results.tables[name], partial)
-            os.replace(partial, target)  # noqa: PTH105 - atomic
-    except OSError as error:
-        raise InputError(f"cannot write results into {folder}: {error.strerror or error}") from None
+        results = Results.of({"runs": [dict(row) | {"reason": row.get("reason") or "", **_DIED}]})
+    except (pa.ArrowInvalid, pa.ArrowTypeError) as error:
+        raise InputError(f"a row of runs has a value of another type: {error}") from None
+    write(results, out)
 
 
 def read(folder: str | Path) -> Results:
-    """Read all runs of a folder, in the order of their ids.
+    """Read all runs of a local folder or fsspec URL into memory, in the order of their ids.
 
     Raises:
-        InputError: the folder holds no results, or a table of it cannot be read.
+        InputError: there are no results, or a table cannot be read.
     """
-    folder = Path(folder)
-    if not holds_results(folder):
-        raise InputError(f"no results in {folder}: expected the folders {', '.join(TABLES)}")
-    tables = {}
-    for name, table in TABLES.items():
-        schema = table.arrow()
-        parts = []
-        for path in sorted((folder / name).glob("*.parquet")):
-            try:
-                part = pq.read_table(path)
-            except (OSError, pa.ArrowInvalid) as error:
-                raise InputError(f"cannot read {path}: {error}") from None
-            version = (part.schema.metadata or {}).get(b"schema_version", b"none").decode(errors="replace")
-            if version != str(SCHEMA_VERSION) or not part.schema.equals(schema):
-                raise InputError(
-                    f"{path} has another schema than table {name!r} of this program: version {version} "
-                    f"instead of {SCHEMA_VERSION}, or other columns; make the results again, or read them with the "
-                    "aeb-sumo that made them"
-                )
-            parts.append(part)
-        tables[name] = pa.concat_tables([schema.empty_table(), *parts])
-    if not tables["runs"].num_rows:
-        raise InputError(f"no runs in {folder}: its table runs is missing or empty")
-    return Results(tables)
+    stored = Stored.of(folder)
+    return Results({name: stored.read(name) for name in TABLES})

@@ -130,6 +130,12 @@ def _notices(data: Dataset, matched: list[Match]) -> list[str]:
                 f"{f' ({reasons})' if reasons else ''}: what was simulated until then counts in tables and figures, "
                 "but not in comparisons with the baseline."
             )
+    if count := len(data.died):
+        reasons = "; ".join(sorted(set(data.died["reason"]) - {""}))
+        notices.append(
+            f"{count} run{'s' if count > 1 else ''} died or hung{f' ({reasons})' if reasons else ''} and left nothing, "
+            "so nothing here counts them."
+        )
     for match in matched:
         if not len(match.pairs):
             notices.append(f"{match.group}: no completed baseline run of the same seed, settings and time span, so "

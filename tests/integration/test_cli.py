@@ -211,3 +211,19 @@ def test_its_own_time_span_is_respected(tmp_path):
     assert command("run", "--sumocfg", "x.sumocfg", "--out", "out", "--quiet", cwd=tmp_path).returncode == 0
     row = pd.read_parquet(tmp_path / "out" / "runs").iloc[0]
     assert (row["begin_s"], row["end_s"], row["step_length_s"], row["seed"]) == (100, 130, 0.5, 7)
+
+
+def test_results_go_to_a_url_and_come_from_it(tmp_path):
+    place = f"file://{tmp_path}/out"
+    done = command("run", "track", "--compare", "--duration", 10, "--out", place)
+    assert done.returncode == 0, done.stderr
+    assert len(pd.read_parquet(tmp_path / "out" / "runs")) == 2
+    assert command("compare", place).returncode == 0
+    done = command("report", place, "--out", tmp_path / "page.html")
+    assert done.returncode == 0, done.stderr
+    done = command("report", "memory://nothing")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "--out is missing" in done.stderr
+    done = command("run", "track", "--out", "nowhere://x")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "nowhere://x" in done.stderr
