@@ -61,7 +61,7 @@ class Reads:
     def attend(self, world):
         self.world, self.read, self.present = world, 0, 0
 
-    def step(self, time):
+    def step(self, time):  # noqa: ARG002
         t = self.world.traffic
         self.read += int(np.count_nonzero((t.read_at == t.step) & t.here))
         self.present += len(t.present)
@@ -78,7 +78,7 @@ def test_few_are_read():
 
 def test_who_only_looks_on_changes_nothing():
     class LooksAtAll(Reads):
-        def step(self, time):
+        def step(self, time):  # noqa: ARG002
             self.world.traffic.read(self.world.traffic.present)
 
     alone = run(scenarios.load("highway"), "zhao2025", duration=60)
@@ -105,7 +105,7 @@ def test_a_standing_queue_is_nobodys_conflict(on_track):
 
 def test_one_who_is_taken_away_behind_our_back_is_missed_at_once(on_track):
     class Takes(Reads):
-        def step(self, time):
+        def step(self, time):  # noqa: ARG002
             if time > 1.0 and "gone" in self.world.traffic.slot:
                 libsumo.vehicle.remove("gone")
 
@@ -123,7 +123,7 @@ def test_an_approach_is_watched_from_the_horizon_on(on_track):
     seen = []
 
     class Watch(Reads):
-        def step(self, time):
+        def step(self, time):  # noqa: ARG002
             t, leads = self.world.traffic, self.world.leads
             if "ego" in t.slot and leads.lead[t.slot["ego"]] >= 0:
                 slot = t.slot["ego"]
