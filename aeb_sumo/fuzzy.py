@@ -7,7 +7,6 @@ reference that tests/reference/test_fuzzy.py compares with.
 from dataclasses import dataclass
 
 import numpy as np
-import skfuzzy
 from numpy.typing import ArrayLike
 
 from aeb_sumo.errors import InputError
@@ -60,6 +59,8 @@ class RuleBase:
 
     def output_sets(self) -> Floats:
         """Membership of every point of the output universe in every output set, (nz, points)."""
+        import skfuzzy  # noqa: PLC0415 - takes long, and few strategies need it
+
         z = self.universe()
         if self.z_sets.shape[1] == 2:
             return np.array([skfuzzy.gaussmf(z, c, s) for c, s in self.z_sets])
@@ -72,6 +73,8 @@ class RuleBase:
         such a grid is fine in the first and has a line on each of the second. Single precision and one row at a time,
         for speed: that is accurate to 1e-4 of the universe.
         """
+        import skfuzzy  # noqa: PLC0415
+
         x, y = _grid(self.x_sets, self.x_range, lines), _grid(self.y_sets, self.y_range, lines)
         single = np.float32
         in_x = np.array([skfuzzy.gaussmf(x, c, s) for c, s in self.x_sets], single)

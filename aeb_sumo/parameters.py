@@ -114,8 +114,12 @@ def parse(assignments: tuple[str, ...]) -> dict[str, Any]:
     return result
 
 
-def read_file(path: Path) -> dict[str, Any]:
+def read_file(path: Path, what: str = "parameter file") -> dict[str, Any]:
     """Parameters from a TOML file.
+
+    Args:
+        path: the file.
+        what: it is, for the messages.
 
     Raises:
         InputError: the file cannot be read or is no TOML.
@@ -123,6 +127,6 @@ def read_file(path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(f"cannot read the parameter file {path}: {error.strerror}") from None
+        raise InputError(f"cannot read the {what} {path}: {error.strerror}") from None
     except ValueError as error:  # no UTF-8, no TOML, or a number with thousands of digits
-        raise InputError(f"the parameter file {path} is no TOML: {error}") from None
+        raise InputError(f"the {what} {path} is no TOML: {error}") from None

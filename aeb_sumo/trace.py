@@ -1,11 +1,13 @@
 """Recorders: look on while a run is simulated. Traces: vehicles recorded step by step, for test cases and figures."""
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-import pandas as pd
 
 from aeb_sumo.engine import Engine
+
+if TYPE_CHECKING:  # most runs are without a trace, and it takes long to import
+    import pandas as pd
 
 __all__ = ["Recorder", "Trace"]
 
@@ -72,10 +74,12 @@ class Trace:
             }
             self._rows.append(row)
 
-    def frame(self) -> pd.DataFrame:
+    def frame(self) -> "pd.DataFrame":
         """One row per recorded vehicle and step.
 
         `accel_mps2` is that of the step before, `decel_mps2` the brake's in the step to come; `gap_m` (infinite without
         a target) and `closing_mps` are as the vehicle knows them; `phase` is a `Phase`.
         """
+        import pandas as pd  # noqa: PLC0415
+
         return pd.DataFrame(self._rows)

@@ -11,7 +11,15 @@ from analysis.effect import figures_by_seed, run_figures
 from analysis.load import Dataset
 from analysis.statistics import LOG_RATIO, Interval, paired_interval
 
-__all__ = ["events_needed", "exposure_without_events", "planning", "seeds_needed"]
+__all__ = [
+    "dispersion",
+    "events_needed",
+    "exposure_without_events",
+    "half_width_after",
+    "planning",
+    "relative_half_width",
+    "seeds_needed",
+]
 
 _MOST = 1 << 40
 
@@ -28,11 +36,16 @@ def events_needed(relative: float, confidence: float = 0.95) -> int:
     """
     if not relative > 0 or not 0 < confidence < 1:
         raise ValueError(f"relative {relative} must be above 0, confidence {confidence} within 0..1")
-    return _smallest(lambda count: _relative(count, confidence) <= relative, 1)
+    return _smallest(lambda count: relative_half_width(count, confidence) <= relative, 1)
 
 
-def _relative(count: float, confidence: float) -> float:
-    """Half-width of the exact interval of a Poisson rate, by the rate."""
+def relative_half_width(count: float, confidence: float = 0.95) -> float:
+    """Half-width of the exact interval of a Poisson rate, by the rate.
+
+    Args:
+        count: events, above 0; those that are worth one each, if they come in clusters.
+        confidence: of the interval, 0 to 1.
+    """
     tail = (1 - confidence) / 2
     return float(chi2.ppf(1 - tail, 2 * count + 2) - chi2.ppf(tail, 2 * count)) / 4 / count
 
@@ -68,20 +81,36 @@ def seeds_needed(interval: Interval, half_width: float, confidence: float = 0.95
     """
     if not half_width > 0:
         raise ValueError(f"half_width {half_width} must be above 0")
+    if not _bounded(interval):
+        return float("nan")
+    return float(_smallest(lambda seeds: half_width_after(interval, seeds, confidence) <= half_width, 2))
+
+
+def half_width_after(interval: Interval, seeds: int, confidence: float = 0.95) -> float:
+    """Half-width that an interval of `paired_interval` will have after so many seeds, as `seeds_needed` takes it.
+
+    Args:
+        interval: from the seeds that are there.
+        seeds: all in all, 2 or more.
+        confidence: of the interval, as it was found.
+
+    Returns:
+        In the unit of the interval; NaN where that has no bounds, or of one seed.
+    """
     n, tail = interval.seeds, (1 + confidence) / 2
-    if not np.isfinite([interval.low, interval.high]).all() or n < 2:
+    if not _bounded(interval) or seeds < 2:
         return float("nan")
     logarithmic = interval.method == LOG_RATIO
     bounds = np.array([interval.low, interval.high])
     lower, upper = np.log1p(bounds / 100) if logarithmic else bounds
     spread = (upper - lower) / 2 / float(student.ppf(tail, n - 1)) * np.sqrt(n)
+    one = float(student.ppf(tail, seeds - 1) * spread / np.sqrt(seeds))
+    # At a ratio r the interval is r exp(-x) to r exp(x).
+    return (100 + interval.estimate) * float(np.sinh(min(one, 700.0))) if logarithmic else one
 
-    def half(seeds: int) -> float:
-        one = float(student.ppf(tail, seeds - 1)) * spread / np.sqrt(seeds)
-        # At a ratio r the interval is r exp(-x) to r exp(x).
-        return (100 + interval.estimate) * float(np.sinh(min(one, 700.0))) if logarithmic else one
 
-    return float(_smallest(lambda seeds: half(seeds) <= half_width, 2))
+def _bounded(interval: Interval) -> bool:
+    return bool(np.isfinite([interval.low, interval.high]).all()) and interval.seeds > 1
 
 
 def _smallest(enough: Callable[[int], bool], least: int) -> int:
@@ -145,17 +174,34 @@ def _of_rate(figures: pd.DataFrame, relative: float, confidence: float) -> dict[
     row: dict[str, float | str] = {"half_width": np.nan, "wanted": 100 * relative}
     if not total:
         return row | _missing(figures, np.nan, "no distance")
-    dispersion, note = 1.0, "no crash: at least so many" if not count else "one seed: crashes taken as independent"
-    if count and seeds > 1:
-        residual = crashes - count / total * km
-        dispersion = max(1.0, float(np.sum(residual**2)) / (seeds - 1) / (count / seeds))
-        note = f"the number varies {dispersion:.1f} times as much as a Poisson one" if dispersion > 1 else ""
+    varies, note = dispersion(crashes, km), "one seed: crashes taken as independent"
+    if not count:
+        note = "no crash: at least so many"
+    elif seeds > 1:
+        note = f"the number varies {varies:.1f} times as much as a Poisson one" if varies > 1 else ""
     if count:
-        row["half_width"] = 100 * _relative(count / dispersion, confidence)
+        row["half_width"] = 100 * relative_half_width(count / varies, confidence)
     # The largest rate that fits no crash in `total`: the rule of three read the other way round.
     rate = count / total if count else exposure_without_events(total, 0.95)
-    needed = events_needed(relative, confidence) * dispersion / rate
+    needed = events_needed(relative, confidence) * varies / rate
     return row | _missing(figures, float(np.ceil(needed / (total / seeds))), note)
+
+
+def dispersion(crashes: pd.Series, km: pd.Series) -> float:
+    """How many times as much as a Poisson number the number of crashes varies between the seeds: they come in clusters.
+
+    Args:
+        crashes: by seed (n,).
+        km: vehicle-km, in the same order (n,).
+
+    Returns:
+        1 or more; 1 where nothing is known, without crashes or with one seed.
+    """
+    count, seeds = float(crashes.sum()), len(crashes)
+    if not count or seeds < 2:
+        return 1.0
+    residual = crashes - count / float(km.sum()) * km
+    return max(1.0, float(np.sum(residual**2)) / (seeds - 1) / (count / seeds))
 
 
 def _missing(figures: pd.DataFrame, needed: float, note: str) -> dict[str, float | str]:

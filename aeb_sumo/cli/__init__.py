@@ -17,6 +17,8 @@ _MODULES = {
     "replay": "replay",
     "tables": "tables",
     "sweep": "sweep",
+    "campaign": "campaign",
+    "plan": "plan",
     "drivers": "drivers",
     "calibrate": "calibrate",
     "intersection": "intersection",

@@ -15,8 +15,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.cluster.hierarchy import cut_tree, linkage
-from scipy.spatial.distance import squareform
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.soa import Floats
@@ -72,6 +70,10 @@ def driver_classes(path: str | Path | None = None) -> tuple[DriverClass, ...]:
             and what is allowed.
     """
     groups, lines = _read(path)
+    # Only runs with driver classes need them, and they take long to import.
+    from scipy.cluster.hierarchy import cut_tree, linkage  # noqa: PLC0415
+    from scipy.spatial.distance import squareform  # noqa: PLC0415
+
     cluster = cut_tree(linkage(squareform(distances(lines)), "average"), n_clusters=CLASSES)[:, 0]
     classes = [
         DriverClass(

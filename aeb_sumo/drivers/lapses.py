@@ -11,7 +11,7 @@ from heapq import heapify, heappop, heappush
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.parameters import check, within
@@ -73,7 +73,7 @@ class Glances:
     def _moments(self) -> tuple[float, float, float]:
         """Mean time with the eyes on the road [s], and of the glances the logarithm of their median and its spread."""
         # For a median of 2 s or more, half of the glances are longer than that whatever is asked for.
-        sigma = max(float(np.log(2.0 / self.median) / norm.isf(self.over_two)), 0.05)
+        sigma = max(float(np.log(2.0 / self.median) / -ndtri(self.over_two)), 0.05)
         mean_off = self.median * float(np.exp(sigma**2 / 2))
         mean_on = mean_off * (1 - self.share) / self.share if self.share > 0 else np.inf
         return mean_on, float(np.log(self.median)), sigma

@@ -7,18 +7,19 @@ tables without it.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 import pyarrow as pa
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.results.place import Place
-from aeb_sumo.results.reader import Stored
 from aeb_sumo.results.schema import TABLES
 from aeb_sumo.results.writer import Writer
 
 __all__ = ["Results", "commit_failure", "finished", "holds_results", "read", "write"]
+
+if TYPE_CHECKING:  # a run does without, and it takes long to import
+    import pandas as pd
 
 _DIED = {"outcome": "failed", "end_s": None}
 Rows = Iterable[Mapping[str, Any]]  # or an Arrow table, which ships no types
@@ -45,12 +46,12 @@ class Results:
         parts = list(results)
         return cls({name: pa.concat_tables([r.tables[name] for r in parts]) for name in TABLES})
 
-    def frame(self, table: str) -> pd.DataFrame:
+    def frame(self, table: str) -> "pd.DataFrame":
         """A table as a DataFrame."""
         frame: pd.DataFrame = self.tables[table].to_pandas()
         return frame
 
-    def __getattr__(self, name: str) -> pd.DataFrame:
+    def __getattr__(self, name: str) -> "pd.DataFrame":
         """`results.crashes` is `results.frame("crashes")`."""
         if name in TABLES:
             return self.frame(name)
@@ -121,5 +122,7 @@ def read(folder: str | Path) -> Results:
     Raises:
         InputError: there are no results, or a table cannot be read.
     """
+    from aeb_sumo.results.reader import Stored  # noqa: PLC0415 - it brings pandas, and a run does without
+
     stored = Stored.of(folder)
     return Results({name: stored.read(name) for name in TABLES})

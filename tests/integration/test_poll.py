@@ -105,7 +105,7 @@ def test_a_standing_queue_is_nobodys_conflict(on_track):
 
 def test_one_who_is_taken_away_behind_our_back_is_missed_at_once(on_track):
     class Takes(Reads):
-        def step(self, time):  # noqa: ARG002
+        def step(self, time):
             if time > 1.0 and "gone" in self.world.traffic.slot:
                 libsumo.vehicle.remove("gone")
 

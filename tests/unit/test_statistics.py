@@ -7,7 +7,7 @@ from scipy.stats import t as student
 from statsmodels.stats.rates import confint_poisson_2indep
 
 import analysis
-from analysis.planning import _relative
+from analysis.planning import relative_half_width
 
 
 def test_three_seeds_have_the_t_interval_of_their_differences():
@@ -160,8 +160,8 @@ def test_a_share_of_clusters_has_the_interval_of_fewer_events():
 def test_events_for_a_wanted_precision():
     assert analysis.events_needed(0.2) == 102
     rate = analysis.poisson_rate(102, 1.0)
-    assert (rate.high - rate.low) / 2 / 102 == pytest.approx(_relative(102, 0.95))
-    assert _relative(102, 0.95) <= 0.2 < _relative(101, 0.95)
+    assert (rate.high - rate.low) / 2 / 102 == pytest.approx(relative_half_width(102, 0.95))
+    assert relative_half_width(102, 0.95) <= 0.2 < relative_half_width(101, 0.95)
 
 
 def test_the_rule_of_three():

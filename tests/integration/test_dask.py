@@ -1,0 +1,133 @@
+"""A campaign on a Dask cluster: a real scheduler and two workers, processes of their own on the loopback."""
+
+import hashlib
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from aeb_sumo.results import TABLES, finished
+from tests.helpers import command
+
+pytest.importorskip("distributed")
+
+SPEC = """[factors]
+scenario = "{scenario}"
+strategy = ["none", "staged"]
+seed = "1..4"
+[run]
+duration_s = {duration}
+"""
+
+
+def tables(folder: Path) -> dict[str, str]:
+    files = (path for name in TABLES for path in (folder / name).glob("*.parquet"))
+    return {str(p.relative_to(folder)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
+
+
+def wait_for(what, seconds: float = 60.0):
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if found := what():
+            return found
+        time.sleep(0.02)
+    raise AssertionError("it did not happen")
+
+
+def dask(kind: str, *options: str, folder: Path) -> "subprocess.Popen[bytes]":
+    words = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *options]
+    with (folder / f"{kind}.log").open("ab") as log:
+        return subprocess.Popen(words, stdout=log, stderr=log, cwd=folder)
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """Address of a scheduler, and its two workers."""
+    folder = tmp_path / "dask"
+    folder.mkdir()
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    local = ("--host", "127.0.0.1", "--no-dashboard")
+    processes = [dask("scheduler", *local, "--port", str(port), folder=folder)]
+    for number in range(2):
+        place = folder / str(number)
+        place.mkdir()
+        processes.append(dask("worker", address, *local, "--nthreads", "1", "--no-nanny", folder=place))
+    wait_for(lambda: all(b"Registered to" in (folder / str(k) / "worker.log").read_bytes() for k in range(2)))
+    yield address, processes[1:]
+    for process in reversed(processes):
+        process.kill()
+        process.wait()
+
+
+def at_work(worker: "subprocess.Popen[bytes]") -> list[int]:
+    """Processes of runs that a worker has started."""
+    found = []
+    for task in Path(f"/proc/{worker.pid}/task").glob("*/children"):
+        for child in task.read_text().split():
+            line = Path(f"/proc/{child}/cmdline")
+            if line.exists() and b"aeb_sumo.campaign.worker" in line.read_bytes():
+                found.append(int(child))
+    return found
+
+
+def start(spec: Path, out: Path, address: str) -> "subprocess.Popen[str]":
+    words = [sys.executable, "-m", "aeb_sumo", "campaign", str(spec), "--out", str(out), "--scheduler", address]
+    return subprocess.Popen(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def test_a_worker_that_dies_half_way_changes_nothing(cluster, tmp_path):
+    address, workers = cluster
+    spec = tmp_path / "spec.toml"
+    spec.write_text(SPEC.format(scenario="track", duration=8))
+    here = command("campaign", spec, "--out", tmp_path / "here", "--quiet")
+    assert here.returncode == 0, here.stderr
+    campaign = start(spec, tmp_path / "there", address)
+    wait_for(lambda: len(finished(tmp_path / "there")) >= 2)
+    (orphan,) = wait_for(lambda: at_work(workers[0]))
+    workers[0].kill()
+    out, errors = campaign.communicate(timeout=120)
+    assert campaign.returncode == 0, errors
+    assert "8 runs: 8 completed, 0 failed" in out
+    assert not Path(f"/proc/{orphan}").exists()
+    assert tables(tmp_path / "there") == tables(tmp_path / "here")
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
+def test_a_campaign_that_ends_leaves_no_run_on_the_cluster(cluster, tmp_path, end):
+    address, workers = cluster
+    spec = tmp_path / "spec.toml"
+    spec.write_text(SPEC.format(scenario="w0", duration=3600))
+    campaign = start(spec, tmp_path / "out", address)
+    wait_for(lambda: all(at_work(worker) for worker in workers))
+    campaign.send_signal(end)
+    campaign.communicate(timeout=30)
+    assert campaign.returncode == (130 if end == signal.SIGINT else -signal.SIGKILL)
+    wait_for(lambda: not any(at_work(worker) for worker in workers), 20)
+    assert not finished(tmp_path / "out")
+    assert not tables(tmp_path / "out")
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "tcp://no.such.host.invalid:8786"])
+def test_a_scheduler_that_cannot_be_reached_is_one_line_and_touches_nothing(tmp_path, monkeypatch, address):
+    monkeypatch.setattr("aeb_sumo.campaign.cluster._PATIENCE", 1.0)
+    (tmp_path / "spec.toml").write_text(SPEC.format(scenario="track", duration=8))
+    done = command("campaign", "spec.toml", "--out", "new", "--scheduler", address, cwd=tmp_path)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert f"--scheduler {address} cannot be reached" in line
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_cluster_has_its_own_number_of_workers(tmp_path):
+    (tmp_path / "spec.toml").write_text(SPEC.format(scenario="track", duration=8))
+    done = command("campaign", "spec.toml", "--out", "new", "--scheduler", "tcp://x:1", "--workers", 2, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "--workers are those of this machine" in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["spec.toml"]
