@@ -76,6 +76,7 @@ class Fleet:
         self.demand = Demand.nothing(0)
         self._held = Demand.nothing(0)  # the last demand of each, until its system works again
         self._next: Floats = np.zeros(0)  # when that is [s]
+        self._begun: Floats = np.zeros(0)  # and when it began to work [s]
         self.equipped: Bools = np.zeros(0, np.bool_)
         self.decel: Floats = np.zeros(0)
         self._last_phase: Ints = np.zeros(0, np.int64)
@@ -86,11 +87,12 @@ class Fleet:
         self._rows: Ints = np.zeros(0, np.int64)
         self._unfinished: Ints = np.zeros(0, np.int64)
 
-    def depart(self, slot: int, *, equipped: bool) -> None:
-        """A vehicle enters."""
+    def depart(self, slot: int, time: float, *, equipped: bool) -> None:
+        """A vehicle enters at `time` [s]."""
         self.fit()
         self.equipped[slot] = equipped
         self._reset(np.array([slot]))
+        self._begun[slot] = time
         if equipped:
             self.grip.depart(slot)
 
@@ -168,12 +170,14 @@ class Fleet:
         due = (time >= self._next[rows] - dt / 2) | ~percept.valid
         now = rows[due]
         if len(now):
-            cycle, last = self._strategy.cycle, self._next[now]
+            cycle = self._strategy.cycle
             percept = percept if len(now) == len(rows) else take(percept, due)
             memory, demand = self._strategy.step(take(self._memory, now), percept, max(dt, cycle))
             put(self._memory, now, memory)
             put(self._held, now, demand)
-            self._next[now] = np.where(last < time - cycle - dt / 2, time, last) + cycle
+            if cycle:
+                begun = self._begun[now]
+                self._next[now] = begun + (np.floor((time - begun + dt / 2) / cycle) + 1) * cycle
         held = take(self._held, rows)
         put(self.demand, rows, held)
         self._last_phase[rows] = held.phase
@@ -265,7 +269,7 @@ class Fleet:
         n = self._traffic.capacity
         if n == self._capacity:
             return False
-        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase", "_next"):
+        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase", "_next", "_begun"):
             setattr(self, name, fitted(getattr(self, name), n))
         old = np.arange(self._capacity)
         for name, grown in (

@@ -62,12 +62,12 @@ class Fleets:
             self._which = fitted(self._which, len(self._fleets[0].equipped))
             self._add_up()
 
-    def depart(self, slot: int, system: str = "") -> None:
-        """A vehicle enters, with a system or without."""
+    def depart(self, slot: int, system: str, time: float) -> None:
+        """A vehicle enters at `time` [s], with a system or without (empty)."""
         self.fit()
         which = self._names.index(system)
         for place, fleet in enumerate(self._fleets, 1):
-            fleet.depart(slot, equipped=place == which)
+            fleet.depart(slot, time, equipped=place == which)
         self._which[slot] = which
 
     def leave(self, slot: int) -> None:

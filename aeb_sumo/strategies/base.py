@@ -129,7 +129,7 @@ class Strategy(ABC):
 
     @property
     def cycle(self) -> float:
-        """Time between two steps of the system [s], counted from the first sight of a target, our assumption.
+        """Time between two steps of the system [s], counted from its vehicle's departure, our assumption.
 
         0: one in every step of the simulation. Sensors have a cycle of their own.
         """

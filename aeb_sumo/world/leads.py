@@ -26,6 +26,7 @@ class Leads:
     names another in between, there is nobody until that search.
 
     Attributes:
+        horizon: see above [s].
         lead, gap: per slot, slot of the vehicle ahead at the last search, -1 for none within 150 m, and its distance,
             bumper to bumper [m], `inf` for none. SUMO leaves the ego's minGap out of its answer; here it is back in. In
             and before junctions SUMO's gaps are not to be trusted (see `perception.lead.sees_lead`).
@@ -36,9 +37,9 @@ class Leads:
     """
 
     def __init__(self, traffic: Traffic, *, cycle: float, horizon: float) -> None:
-        """`cycle`: of the search [s], rounded to steps, at least one; `horizon`: see above [s]."""
+        """`cycle`: of the search [s], rounded to steps, at least one; `horizon` [s]: see above."""
         self._traffic = traffic
-        self._horizon = horizon
+        self.horizon = horizon
         self._every = max(1, round(cycle / traffic.dt))  # steps
         self._turn: list[dict[int, str]] = [{} for _ in range(self._every)]  # slot -> id, by phase
         self._rows: list[Ints | None] = [None] * self._every  # their slots
@@ -147,9 +148,9 @@ class Leads:
         for k in (found & ~same).nonzero()[0].tolist():
             rate[k] = speed(ids[k]) - speed(names[k])
         growth = np.where(same, (rate - self.rate[rows]) / span, 0.0)
-        sooner = self._horizon - _SOONER
+        sooner = self.horizon - _SOONER
         growing = rate * sooner + np.maximum(growth, 0.0) * (sooner**2 / 2)
-        near = gap < _CLOSE + np.maximum(rate * self._horizon, growing)
+        near = gap < _CLOSE + np.maximum(rate * self.horizon, growing)
         self._watching[rows] = near & ((rate != 0) | (growth != 0))
         self._found_at[rows] = t.step
         self.lead[rows] = self._found[rows] = lead
