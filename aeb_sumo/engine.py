@@ -24,6 +24,7 @@ from aeb_sumo.world.wrecks import Crash, Wrecks
 __all__ = ["Engine"]
 
 _HORIZON = 5.0  # s, our assumption: longer than the TTC of 4 s from which conflicts are booked, and drivers' looming
+_FASTEST = 80.0  # m/s, our assumption: no gap shrinks faster
 _BEFORE = 1.0  # s before a system may act from which it watches its target, our assumption: sensors take time, too
 
 
@@ -105,7 +106,13 @@ class Engine:
         self.leads.step()
         self.paths.step()
         self._follow()
-        self.crashes = self.wrecks.step(self.time)
+        self.crashes = self.wrecks.step(self.time, apart=self._apart())
+
+    def _apart(self) -> bool:
+        """Whether nobody can touch anybody in this step: no one is near a crossing or on foot, and all gaps are wide."""
+        if len(self.paths.turns.slot) or len(self.traffic.walkers):
+            return False
+        return bool((self.leads.gap[self.leads.egos] > _FASTEST * self.traffic.dt).all())
 
     def _follow(self) -> None:
         """Keep an eye on all who take part in what may happen; those near junctions are followed already."""

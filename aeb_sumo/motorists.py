@@ -163,7 +163,7 @@ class Motorists:
         t = self._traffic
         self._fit()
         self.noticed, self.heeded = [], set()
-        self.braked = set(np.flatnonzero(aeb > 0).tolist())
+        self.braked = set((aeb > 0).nonzero()[0].tolist())
         self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
         self._heed(time)
@@ -177,9 +177,8 @@ class Motorists:
             self.erring[slot], self.accel[slot] = True, self._reaction(driver, time)
         for kind in reversed(range(len(self._lapses.kinds))):
             if kind != self._lapses.glance:
-                on = self._lapses.on[: t.capacity, kind]
-                self.erring |= on
-                self.accel = np.where(on, self._lapses.accel[: t.capacity, kind], self.accel)
+                on = self._lapses.on[: t.capacity, kind].nonzero()[0]
+                self.erring[on], self.accel[on] = True, self._lapses.accel[on, kind]
 
     def error(self, slot: int) -> str:
         """What a driver does wrong now, by name, or empty."""
@@ -372,6 +371,8 @@ class Motorists:
 
     def _fit(self) -> None:
         n = self._traffic.capacity
+        if len(self.erring) == n:
+            return
         self._lapses.fit(n)
         for name in ("erring", "accel", "away", "attentive", "_until", "_surprise", "_held"):
             setattr(self, name, fitted(getattr(self, name), n))
