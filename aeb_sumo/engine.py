@@ -109,7 +109,7 @@ class Engine:
         self.crashes = self.wrecks.step(self.time, apart=self._apart())
 
     def _apart(self) -> bool:
-        """Whether nobody can touch anybody in this step: no one is near a crossing or on foot, and all gaps are wide."""
+        """Whether nobody can have touched anybody: no one is near a crossing or on foot, and all gaps are wide."""
         if len(self.paths.turns.slot) or len(self.traffic.walkers):
             return False
         return bool((self.leads.gap[self.leads.egos] > _FASTEST * self.traffic.dt).all())
