@@ -160,7 +160,8 @@ class Conflicts:
         o, slots = self._open, pairs.slots
         evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
         braking = np.where(evading, np.maximum(-t.accel[slots], 0.0), 0.0)
-        self.hard = (braking > self._evasive) & np.array([[True, False], [True, True]])[(pairs.key < 0).astype(int)]
+        self.hard = braking > self._evasive
+        self.hard[:, 1] &= pairs.key < 0
         self._note_worst(at, pairs)
         for smallest, value in ((o.min_gap, pairs.gap), (o.min_ttc, pairs.ttc), (o.min_ttc2, pairs.ttc2)):
             smallest[at] = np.minimum(smallest[at], value)
@@ -173,11 +174,12 @@ class Conflicts:
         if crosses.any():
             self._advance(time, at, pairs)
 
-        gone = ~t.here[o.slots].all(1) | np.where(crosses, wrecked[o.slots].all(1), wrecked[o.slots[:, 0]])
-        left = o.leave.min(1)
-        settled = np.isfinite(left) & (np.isfinite(o.enter).all(1) | (time - left > _LONGEST_PET))
-        lost = ~np.isfinite(left) & (time - o.seen > _PAUSE)
-        self._close(gone | settled | lost)
+        over = ~t.here[o.slots].all(1) | (time - o.seen > _PAUSE)
+        if crosses.any():
+            left = o.leave.min(1)
+            settled = np.isfinite(o.enter).all(1) | (time - left > _LONGEST_PET)
+            over = ~t.here[o.slots].all(1) | np.where(np.isfinite(left), settled, time - o.seen > _PAUSE)
+        self._close(over | np.where(crosses, wrecked[o.slots].all(1), wrecked[o.slots[:, 0]]))
 
     def close_all(self) -> None:
         """The run ends."""
