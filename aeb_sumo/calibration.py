@@ -126,9 +126,11 @@ class _Watch:
             for n in drivers.noticed
             if n.time_to_crash > 0 and t.vclass[n.slot] in VClasses.CARS
         ]
-        if round(time / t.dt) % round(_SAMPLE / t.dt) == 0:
-            follows = (leads.lead[rows] >= 0) & (t.speed[rows] > _ROLLS)
-            headways = thw(gap=leads.gap[rows[follows]], speed=t.speed[rows[follows]])
+        if len(rows) and round(time / t.dt) % round(_SAMPLE / t.dt) == 0:
+            t.read(rows)
+            lead, gap = (np.array(each) for each in zip(*(leads.now(slot) for slot in rows.tolist()), strict=True))
+            follows = (lead >= 0) & (t.speed[rows] > _ROLLS)
+            headways = thw(gap=gap[follows], speed=t.speed[rows[follows]])
             self.headways += headways[headways < _FOLLOWS].tolist()
 
 

@@ -10,10 +10,10 @@ from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints, joined
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.footpaths import Footpaths
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.sightlines import Sightlines
-from aeb_sumo.world.surroundings import Leads
 
 __all__ = ["Candidates", "Pairs"]
 
@@ -43,11 +43,12 @@ class Pairs:
 class Candidates:
     """Finds the pairs of a step.
 
-    Leads are those that SUMO names, if they are where a sensor could see them. Nothing but thin air is between a
-    vehicle and the next one on its path, so lines of sight are asked only for crossing traffic. At junctions every pair
-    of vehicles is a candidate whose planned paths cross (`Gaze.PATH`) or, for systems that know no paths, every pair
-    there is (`Gaze.RELATIVE_MOTION`); so are, anywhere, persons on foot whose path meets the own one, or who are near.
-    Systems for car-following have no eyes for any of these (`Gaze.LEAD`).
+    Leads are those that SUMO names with whom a conflict is possible (`aeb_sumo.world.leads`), if they are where a
+    sensor could see them. Nothing but thin air is between a vehicle and the next one on its path, so lines of sight are
+    asked only for crossing traffic. At junctions every pair of vehicles is a candidate whose planned paths cross
+    (`Gaze.PATH`) or, for systems that know no paths, every pair there is (`Gaze.RELATIVE_MOTION`); so are, anywhere,
+    persons on foot whose path meets the own one, or who are near. Systems for car-following have no eyes for any of
+    these (`Gaze.LEAD`).
     """
 
     def __init__(
@@ -70,7 +71,7 @@ class Candidates:
 
     def of(self, egos: Ints) -> Pairs:
         """All pairs of the vehicles in these slots."""
-        ego = egos[self._leads.lead[egos] >= 0]
+        ego = egos[self._leads.possible[egos]]
         pairs = self._ahead(ego, self._leads.lead[ego], self._leads.gap[ego])
         if self._gaze.sees_crossing:
             ego, other, zone = self._at_junctions(egos)
@@ -84,6 +85,7 @@ class Candidates:
         """Pairs that are not candidates any more, as the sensors see them now."""
         ahead, aside = (~crossing).nonzero()[0], crossing.nonzero()[0]
         lead, t = other[ahead], self._traffic
+        t.follow(np.concatenate([ego, other]))
         rear_x, rear_y = t.rear(lead)
         straight = np.hypot(rear_x - t.x[ego[ahead]], rear_y - t.y[ego[ahead]])
         pairs = self._ahead(ego[ahead], lead, straight)

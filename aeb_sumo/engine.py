@@ -1,5 +1,7 @@
 """One world and all who act in it, a step at a time: observe -> perception -> strategy -> brake -> override."""
 
+import numpy as np
+
 from aeb_sumo.equipment import Equipment, System
 from aeb_sumo.fleet import Fleet, Target
 from aeb_sumo.fleets import Fleets
@@ -8,18 +10,22 @@ from aeb_sumo.scenarios import Scenario
 from aeb_sumo.world.buildings import walls
 from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.override import Override
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import Session
 from aeb_sumo.world.sightlines import Sightlines
-from aeb_sumo.world.surroundings import Leads
 from aeb_sumo.world.violations import Violations
 from aeb_sumo.world.walkers import Walkers
 from aeb_sumo.world.wrecks import Crash, Wrecks
 
 __all__ = ["Engine"]
+
+_HORIZON = 5.0  # s, our assumption: longer than the TTC of 4 s from which conflicts are booked, and drivers' looming
+_FASTEST = 80.0  # m/s, our assumption: no gap shrinks faster
+_BEFORE = 1.0  # s before a system may act from which it watches its target, our assumption: sensors take time, too
 
 
 class Engine:
@@ -33,6 +39,7 @@ class Engine:
         scenario: what it simulates.
         carried: who has which AEB.
         blockage: how long wrecks stand [s].
+        every: read every vehicle in every step, and not only those that matter: slow, and the same.
 
     Attributes:
         traffic, leads, paths, friction, motorists, fleet, wrecks, override: the parts that can be looked at.
@@ -41,15 +48,23 @@ class Engine:
         acting: slots whose AEB warns or brakes in the coming step, with their targets.
     """
 
-    def __init__(self, session: Session, scenario: Scenario, carried: Equipment, blockage: float) -> None:
+    def __init__(
+        self, session: Session, scenario: Scenario, carried: Equipment, blockage: float, *, every: bool = False
+    ) -> None:
         self.session = session
         self._carried = carried
         network = Network()
-        self.traffic = Traffic(session.dt)
+        self.traffic = Traffic(session.dt, every=every)
         self.friction = Friction(self.traffic, scenario.mu, scenario.stretches)
         self.override = Override(self.traffic, self.friction)
         self.wrecks = Wrecks(self.traffic, network, session.sublane, blockage)
-        self.leads = Leads(self.traffic)
+        systems = carried.systems or (System.of("none"),)
+        slippery = min((scenario.mu, *(stretch.mu for stretch in scenario.stretches)))
+        self._horizons = {s.name: s.strategy.longest_ttc(slippery) + _BEFORE for s in systems}
+        self.leads = Leads(self.traffic, cycle=min(s.suite.search for s in systems), horizon=_HORIZON)
+        for share in carried.shares:
+            if share.share > 0:
+                self._look_out_for(share.system.name)
         self.paths = Paths(self.traffic, network)
         self._walkers = Walkers(self.traffic, network)
         self._sightlines = Sightlines(self.traffic, walls())
@@ -61,10 +76,7 @@ class Engine:
         footpaths = Footpaths(self.traffic, self.paths, self._walkers)
         world = self.traffic, self.leads, self.paths, footpaths, self._sightlines, self.friction
         self.fleet = Fleets(
-            {
-                s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=session.seed)
-                for s in carried.systems or (System.of("none"),)
-            }
+            {s.name: Fleet(*world, s.strategy, s.suite, sublane=session.sublane, seed=session.seed) for s in systems}
         )
         self.time = session.begin
         self.crashes: list[Crash] = []
@@ -89,15 +101,33 @@ class Engine:
             self.motorists.leave(slot, vehicle)
         for slot in t.departed:
             system = self._carried.of(t.ids[slot], vtype=t.vtype[slot], vclass=t.vclass[slot], seed=self.session.seed)
-            fleet.depart(slot, system.name if system else "")
+            fleet.depart(slot, system.name if system else "", self.time)
             self.motorists.depart(slot, t.ids[slot], self.time)
-        self.crashes = self.wrecks.step(self.time)
+        self.leads.step()
+        self.paths.step()
+        self._follow()
+        self.crashes = self.wrecks.step(self.time, apart=self._apart())
+
+    def _apart(self) -> bool:
+        """Whether nobody can have touched anybody: no one is near a crossing or on foot, and all gaps are wide."""
+        if len(self.paths.turns.slot) or len(self.traffic.walkers):
+            return False
+        return bool((self.leads.gap[self.leads.egos] > _FASTEST * self.traffic.dt).all())
+
+    def _follow(self) -> None:
+        """Keep an eye on all who take part in what may happen; those near junctions are followed already."""
+        t, egos = self.traffic, self.leads.egos
+        if len(t.walkers):  # they may be anywhere
+            t.follow(t.present)
+            return
+        several = [egos, self.leads.lead[egos], self.fleet.busy, self.override.braking, self.motorists.startling]
+        slots = np.concatenate([each for each in several if len(each)] or [egos])
+        if len(slots):
+            t.follow(slots[t.here[slots]])
 
     def decide(self) -> None:
         """What drivers and AEBs do in the coming step."""
         t, wrecked = self.traffic, self.wrecks.wrecked
-        self.leads.step()
-        self.paths.step()
         self.motorists.step(self.time, self.fleet.decel, wrecked)
         self._violations.step(self.motorists.attentive)
         self.fleet.step(self.time, wrecked)
@@ -131,10 +161,15 @@ class Engine:
         """The error that a road user makes now, by name; towards another, if named."""
         return self._violations.error(slot, other) or self.motorists.error(slot)
 
+    def _look_out_for(self, system: str) -> None:
+        """Watch whom a system, by name, may have to react to."""
+        self.leads.horizon = max(self.leads.horizon, self._horizons[system])
+
     def equip(self, slot: int, system: str) -> None:
         """Give the vehicle in a slot another AEB system, by name; the run must know it, if only with a share of 0."""
+        self._look_out_for(system)
         self.fleet.leave(slot)
-        self.fleet.depart(slot, system)
+        self.fleet.depart(slot, system, self.time)
 
     def suppress(self, slot: int, span: tuple[float, float] | None = None) -> None:
         """Take back what the AEB in a slot has decided, and all it does until it has been quiet for a while.

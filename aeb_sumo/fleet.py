@@ -9,15 +9,15 @@ from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.grip import Grip
 from aeb_sumo.lookout import Lookout, Targets
 from aeb_sumo.perception.suites import Suite
-from aeb_sumo.soa import Bools, Floats, Ints, fitted, joined, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, fitted, joined, mask, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.sightlines import Sightlines
-from aeb_sumo.world.surroundings import Leads
 
 __all__ = ["Fleet", "Target"]
 
@@ -76,6 +76,7 @@ class Fleet:
         self.demand = Demand.nothing(0)
         self._held = Demand.nothing(0)  # the last demand of each, until its system works again
         self._next: Floats = np.zeros(0)  # when that is [s]
+        self._begun: Floats = np.zeros(0)  # and when it began to work [s]
         self.equipped: Bools = np.zeros(0, np.bool_)
         self.decel: Floats = np.zeros(0)
         self._last_phase: Ints = np.zeros(0, np.int64)
@@ -84,12 +85,14 @@ class Fleet:
         self._hold: Floats = np.zeros(0)
         self._targets: Targets | None = None
         self._rows: Ints = np.zeros(0, np.int64)
+        self._unfinished: Ints = np.zeros(0, np.int64)
 
-    def depart(self, slot: int, *, equipped: bool) -> None:
-        """A vehicle enters."""
+    def depart(self, slot: int, time: float, *, equipped: bool) -> None:
+        """A vehicle enters at `time` [s]."""
         self.fit()
         self.equipped[slot] = equipped
         self._reset(np.array([slot]))
+        self._begun[slot] = time
         if equipped:
             self.grip.depart(slot)
 
@@ -105,16 +108,17 @@ class Fleet:
             time: now [s].
             disabled: per slot, vehicles whose AEB is out of action (wrecks).
         """
-        t, dt = self._traffic, self._traffic.dt
+        t = self._traffic
         self.fit()
         off = (self.equipped & disabled[: self._capacity]).nonzero()[0]
         if len(off):
             self._reset(off)
-        rows = (self.equipped & t.here & ~disabled).nonzero()[0]
+        rows = (self.equipped & t.here & ~disabled & t.followed).nonzero()[0]
         self.decel[:] = 0.0
         self.demand.phase[:] = Phase.NONE
         self.demand.decel[:] = 0.0
-        if not len(rows):
+        self._unfinished = rows[:0]
+        if not len(rows) and not self._lookout.remembers:
             self._rows, self._targets = rows, None
             return
         self.grip.step(rows)
@@ -122,7 +126,7 @@ class Fleet:
         seeing, targets = self._lookout.step(rows, braking=braking, time=time)
         # The strategy only has work where there is a target, or something to end.
         unfinished = rows[(self._last_phase[rows] > 0) | self._working(rows)]
-        unfinished = unfinished[~np.isin(unfinished, seeing)] if len(unfinished) else unfinished
+        unfinished = unfinished[~mask(seeing, t.capacity)[unfinished]] if len(unfinished) else unfinished
         rows = seeing
         if len(unfinished):
             rows = np.append(seeing, unfinished)
@@ -132,6 +136,22 @@ class Fleet:
         self._rows, self._targets = rows, targets
         if not len(rows):
             return
+        self._act(rows, targets, time)
+        self._unfinished = rows[(self._last_phase[rows] > 0) | self._working(rows)]
+
+    @property
+    def busy(self) -> Ints:
+        """Slots of the vehicles that have to be followed whatever they meet.
+
+        Those with something to end, and all where friction is learnt from driving.
+        """
+        if self._strategy.estimates_friction:
+            return (self.equipped & self._traffic.here).nonzero()[0]
+        return self._unfinished
+
+    def _act(self, rows: Ints, targets: Targets, time: float) -> None:
+        """From what is perceived to what the brakes do."""
+        t, dt = self._traffic, self._traffic.dt
         percept = Percept(
             valid=targets.slot >= 0,
             gap=targets.gap,
@@ -150,12 +170,14 @@ class Fleet:
         due = (time >= self._next[rows] - dt / 2) | ~percept.valid
         now = rows[due]
         if len(now):
-            cycle, last = self._strategy.cycle, self._next[now]
+            cycle = self._strategy.cycle
             percept = percept if len(now) == len(rows) else take(percept, due)
             memory, demand = self._strategy.step(take(self._memory, now), percept, max(dt, cycle))
             put(self._memory, now, memory)
             put(self._held, now, demand)
-            self._next[now] = np.where(last < time - cycle - dt / 2, time, last) + cycle
+            if cycle:
+                begun = self._begun[now]
+                self._next[now] = begun + (np.floor((time - begun + dt / 2) / cycle) + 1) * cycle
         held = take(self._held, rows)
         put(self.demand, rows, held)
         self._last_phase[rows] = held.phase
@@ -242,12 +264,12 @@ class Fleet:
         for array in (self._aimed, self._aimed_gap, self._hold, self._last_phase, self._next, self.decel):
             array[rows] = 0
 
-    def fit(self) -> None:
-        """Make room for all slots."""
+    def fit(self) -> bool:
+        """Make room for all slots; whether there was too little."""
         n = self._traffic.capacity
         if n == self._capacity:
-            return
-        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase", "_next"):
+            return False
+        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase", "_next", "_begun"):
             setattr(self, name, fitted(getattr(self, name), n))
         old = np.arange(self._capacity)
         for name, grown in (
@@ -259,3 +281,4 @@ class Fleet:
             put(grown, old, getattr(self, name))
             setattr(self, name, grown)
         self._capacity = n
+        return True

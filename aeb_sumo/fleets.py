@@ -41,6 +41,13 @@ class Fleets:
         self.demand: Demand = reduce(_sum, (fleet.demand for fleet in self._fleets))
 
     @property
+    def busy(self) -> Ints:
+        """Slots of the vehicles that have to be followed whatever they meet; see `Fleet.busy`."""
+        if len(self._fleets) == 1:
+            return self._fleets[0].busy
+        return np.concatenate([fleet.busy for fleet in self._fleets])
+
+    @property
     def equipped(self) -> Bools:
         """Per slot."""
         return self._which > 0
@@ -51,17 +58,16 @@ class Fleets:
 
     def fit(self) -> None:
         """Make room for all slots; persons on foot have some, too."""
-        for fleet in self._fleets:
-            fleet.fit()
-        self._which = fitted(self._which, len(self._fleets[0].equipped))
-        self._add_up()
+        if sum([fleet.fit() for fleet in self._fleets]):
+            self._which = fitted(self._which, len(self._fleets[0].equipped))
+            self._add_up()
 
-    def depart(self, slot: int, system: str = "") -> None:
-        """A vehicle enters, with a system or without."""
+    def depart(self, slot: int, system: str, time: float) -> None:
+        """A vehicle enters at `time` [s], with a system or without (empty)."""
         self.fit()
         which = self._names.index(system)
         for place, fleet in enumerate(self._fleets, 1):
-            fleet.depart(slot, equipped=place == which)
+            fleet.depart(slot, time, equipped=place == which)
         self._which[slot] = which
 
     def leave(self, slot: int) -> None:

@@ -11,7 +11,7 @@ from aeb_sumo.perception.noise import Keys
 from aeb_sumo.perception.sensor import overlap
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_step
-from aeb_sumo.soa import Bools, Floats, Ints, find, first_of_each, joined, put, take
+from aeb_sumo.soa import Bools, Floats, Ints, find, first_of_each, joined, mask, put, take
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import lateral_position
@@ -83,6 +83,11 @@ class Lookout:
         self._absent: Floats = np.zeros(0)
         self._conflict: Floats = np.zeros(0)
 
+    @property
+    def remembers(self) -> bool:
+        """Whether there was anybody in the last step."""
+        return len(self._serials) > 0
+
     def step(self, rows: Ints, *, braking: Bools, time: float) -> tuple[Ints, Targets]:
         """Those of the vehicles in slots `rows` (rising) that have a target: their slots, rising, and their targets.
 
@@ -148,7 +153,7 @@ class Lookout:
     def _still_there(self, k: Ints, rows: Ints) -> Ints:
         """Which of the rows `k` of the last step are about the same vehicles, both on the road and the ego equipped."""
         last, t = self._pairs, self._traffic
-        there = np.isin(last.ego[k], rows) & t.here[last.other[k]]
+        there = mask(rows, t.capacity)[last.ego[k]] & t.here[last.other[k]]
         there &= self._numbers(take(last, k)) == self._serials[k]
         return k[there]
 

@@ -17,9 +17,10 @@ from aeb_sumo.drivers.lapses import Glances, Lapses
 from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.drivers.reactions import Reaction, Response, Threat
 from aeb_sumo.drivers.streams import stream
-from aeb_sumo.soa import Bools, Floats, fitted
+from aeb_sumo.soa import Bools, Floats, Ints, fitted
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic, VClasses
-from aeb_sumo.world.surroundings import Leads, demanding
+from aeb_sumo.world.surroundings import Onward
 
 __all__ = ["Motorists", "Notice"]
 
@@ -74,6 +75,8 @@ class Motorists:
     def __init__(self, traffic: Traffic, leads: Leads, profile: Profile, seed: int) -> None:
         self._traffic, self._leads, self._profile, self._seed = traffic, leads, profile, seed
         self._lapses = Lapses((profile.hard_braking, profile.glances, profile.robots), seed)
+        self._onward = Onward(traffic)
+        self._startling: set[int] = set()
         self._reacting: dict[int, _Reacting] = {}
         self._alerts: dict[int, _Alert] = {}  # by slot
         self.erring: Bools = np.zeros(0, np.bool_)
@@ -83,6 +86,8 @@ class Motorists:
         self._until: Floats = np.zeros(0)  # attentive until [s]
         self._surprise: Floats = np.zeros(0)
         self._held: Floats = np.zeros(0)
+        models = (profile.cars, profile.trucks)
+        self._least_surprise = min((model.surprise for model in models if model is not None), default=np.inf)
         self.noticed: list[Notice] = []
         self.heeded: set[int] = set()
         self.braked: set[int] = set()
@@ -93,16 +98,25 @@ class Motorists:
         self._fit()
         model = self._model(slot)
         self._surprise[slot] = np.inf if model is None else model.surprise
+        if self._traffic.brakes[slot] > self._least_surprise:
+            self._startling.add(slot)
         self._until[slot], self.away[slot], self.attentive[slot] = 0.0, False, False
         if self._traffic.driven[slot] or self._profile.robots is not None:
             self._lapses.depart(slot, vehicle, time)
 
     def leave(self, slot: int, vehicle: str) -> None:
         """A vehicle is gone."""
+        self._startling.discard(slot)
         self._lapses.leave(slot, vehicle)
+        self._onward.forget(slot)
         self.away[slot] = self.attentive[slot] = False
         self._reacting.pop(slot, None)
         self._alerts.pop(slot, None)
+
+    @property
+    def startling(self) -> Ints:
+        """Slots of vehicles that SUMO may at any time let brake so hard that it takes those behind by surprise."""
+        return np.array(sorted(self._startling), np.int64)
 
     def hear(self, time: float, warnings: Iterable[tuple[str, str]]) -> None:
         """AEBs warn.
@@ -149,10 +163,11 @@ class Motorists:
         t = self._traffic
         self._fit()
         self.noticed, self.heeded = [], set()
-        self.braked = set(np.flatnonzero(aeb > 0).tolist())
+        self.braked = set((aeb > 0).nonzero()[0].tolist())
         self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
         self._heed(time)
+        self._read({*self._lapses.changed, *self._warned_away()})
         self._glance()
         self._surprised(wrecked)
         self._react(time, wrecked)
@@ -162,9 +177,8 @@ class Motorists:
             self.erring[slot], self.accel[slot] = True, self._reaction(driver, time)
         for kind in reversed(range(len(self._lapses.kinds))):
             if kind != self._lapses.glance:
-                on = self._lapses.on[: t.capacity, kind]
-                self.erring |= on
-                self.accel = np.where(on, self._lapses.accel[: t.capacity, kind], self.accel)
+                on = self._lapses.on[: t.capacity, kind].nonzero()[0]
+                self.erring[on], self.accel[on] = True, self._lapses.accel[on, kind]
 
     def error(self, slot: int) -> str:
         """What a driver does wrong now, by name, or empty."""
@@ -176,6 +190,21 @@ class Motorists:
         if slot in self._reacting:
             return Glances.name if self._reacting[slot].late else "surprised"
         return Glances.name if self.away[slot] else ""
+
+    def _read(self, slots: set[int]) -> None:
+        here = [slot for slot in sorted(slots) if self._traffic.here[slot]]
+        if here:
+            self._traffic.read(np.array(here))
+
+    def _look(self, slots: Iterable[int]) -> None:
+        """Drivers look at the vehicles ahead, now: it is no matter of searching."""
+        self._read({*slots, *(self._leads.now(slot)[0] for slot in slots)} - {-1})
+
+    def _warned_away(self) -> list[int]:
+        """Slots of drivers whose eyes are off the road, and whom a warning calls back."""
+        if self._profile.warned is None or not self._until.any():
+            return []
+        return (self.away & self.attentive).nonzero()[0].tolist()
 
     def _model(self, slot: int) -> Reaction | None:
         return self._profile.trucks if self._traffic.vclass[slot] in VClasses.HEAVY else self._profile.cars
@@ -189,22 +218,26 @@ class Motorists:
             if time >= alert.due:  # also when the warning has ended meanwhile
                 self._until[slot] = time + warned.attention
                 del self._alerts[slot]
-        self.attentive[:] = self._until > time
+        if self._until.any():
+            self.attentive[:] = self._until > time
 
     def _glance(self) -> None:
         t, calm = self._traffic, self._profile.glances
         if calm is None:
             return
-        warned = np.flatnonzero(self.away & self.attentive).tolist()
+        warned = self._warned_away()
         self.heeded.update(warned)
-        for slot in [*self._lapses.looked_back, *warned]:
-            if self.away[slot]:
-                self.away[slot] = False
-                self._look_back(slot)
+        back = [slot for slot in [*self._lapses.looked_back, *warned] if self.away[slot]]
+        self.away[back] = False
+        # Where no conflict is possible there is nothing to react to.
+        back = [slot for slot in back if self._leads.possible[slot]]
+        self._look(back)
+        for slot in back:
+            self._look_back(slot)
         for slot in self._lapses.looked_away:
             # A short glance may have ended within the same step.
             busy = slot in self._reacting or not self._lapses.on[slot, self._lapses.glance]
-            if busy or not t.here[slot] or demanding(t, self._leads, slot, calm):
+            if busy or not t.here[slot] or self._demanding(slot, calm):
                 continue
             if self.attentive[slot]:
                 self.heeded.add(slot)
@@ -212,28 +245,49 @@ class Motorists:
                 self.away[slot] = True
                 self._held[slot] = t.accel[slot]
 
+    def _demanding(self, slot: int, calm: Glances) -> bool:
+        """Whether the driver has reason to keep his eyes on the road just now.
+
+        He has when he brakes or speeds up, closes in on the vehicle ahead, follows it closely, has not had it ahead for
+        long, or has to find a gap because his lane soon leads off his route; `calm` says from where on. Drivers choose
+        calm moments to look away.
+        """
+        t, leads = self._traffic, self._leads
+        if abs(t.accel[slot]) > calm.calm_accel:
+            return True
+        gap, closing = leads.gap[slot], leads.rate[slot]
+        if leads.lead[slot] >= 0 and not (gap >= closing * calm.calm_ttc and gap >= t.speed[slot] * calm.calm_headway):
+            return True
+        return self._onward.left(slot) < calm.calm_lane
+
     def _look_back(self, slot: int) -> None:
         """The eyes are on the road again: is there something to react to?"""
-        lead = int(self._leads.lead[slot])
+        lead, _ = self._leads.now(slot)
         if lead >= 0 and self._same_way(slot, lead) and self._sees(slot, lead):
             self._reacting[slot] = _Reacting(self._traffic.serial[lead], True, self._held[slot])
 
     def _surprised(self, wrecked: Bools) -> None:
         """Followers of those who brake harder than anyone expects."""
         t = self._traffic
-        rows = t.present[t.driven[t.present]]
-        lead = self._leads.lead[rows]
-        hard = (lead >= 0) & (t.accel[np.maximum(lead, 0)] < -self._surprise[rows])
-        for slot, ahead in zip(rows[hard].tolist(), lead[hard].tolist(), strict=True):
-            if slot not in self._reacting and not (self.away[slot] or wrecked[slot]) and self._same_way(slot, ahead):
+        braking = (t.followed & t.here & (t.accel < -self._least_surprise)).nonzero()[0]
+        if not len(braking):
+            return
+        rows = self._leads.behind(braking)
+        rows = rows[t.driven[rows] & ~self.away[rows] & ~wrecked[rows]]
+        slots = [slot for slot in rows.tolist() if slot not in self._reacting]
+        self._look(slots)
+        for slot in slots:
+            ahead, _ = self._leads.now(slot)
+            if ahead >= 0 and t.accel[ahead] < -self._surprise[slot] and self._same_way(slot, ahead):
                 # With his eyes on the road he does not speed up any more; the braking of his AEB is not his own.
                 held = 0.0 if slot in self.braked else min(float(t.accel[slot]), 0.0)
                 self._reacting[slot] = _Reacting(t.serial[ahead], False, held)
 
     def _react(self, time: float, wrecked: Bools) -> None:
         t = self._traffic
+        self._look(self._reacting)
         for slot, driver in list(self._reacting.items()):
-            lead = int(self._leads.lead[slot])
+            lead, _ = self._leads.now(slot)
             if wrecked[slot] or lead < 0 or t.serial[lead] != driver.ahead or not self._same_way(slot, lead):
                 del self._reacting[slot]
                 continue
@@ -277,7 +331,7 @@ class Motorists:
         """Whether this is no emergency: the vehicle ahead does not brake hard, and little is needed."""
         t, model = self._traffic, self._model(slot)
         needed = required_decel(
-            gap=self._leads.gap[slot], speed=t.speed[slot], lead_speed=t.speed[lead], lead_accel=t.accel[lead]
+            gap=self._leads.now(slot)[1], speed=t.speed[slot], lead_speed=t.speed[lead], lead_accel=t.accel[lead]
         )
         return model is not None and bool(t.accel[lead] >= -model.surprise and needed <= model.mild)
 
@@ -290,7 +344,7 @@ class Motorists:
 
     def _time_to_crash(self, slot: int, lead: int, held: float) -> float:
         """If both go on as they are [s]: a vehicle ahead that brakes to a stop stays where it is."""
-        t, gap = self._traffic, float(self._leads.gap[slot])
+        t, (_, gap) = self._traffic, self._leads.now(slot)
         speed, lead_speed = float(t.speed[slot]), float(t.speed[lead])
         braking = max(float(t.accel[lead]), -_HARDEST)
         first = float(ttc2(gap=gap, closing_speed=speed - lead_speed, closing_accel=held - braking))
@@ -309,7 +363,7 @@ class Motorists:
     def _looming(self, slot: int, lead: int) -> float:
         """Inverse time to collision [1/s], 0 when nothing closes in."""
         closing = float(self._traffic.speed[slot] - self._traffic.speed[lead])
-        gap = float(self._leads.gap[slot])
+        _, gap = self._leads.now(slot)
         return 0.0 if closing <= 0 else np.inf if gap <= 0 else closing / gap
 
     def _same_way(self, slot: int, lead: int) -> bool:
@@ -317,6 +371,8 @@ class Motorists:
 
     def _fit(self) -> None:
         n = self._traffic.capacity
+        if len(self.erring) == n:
+            return
         self._lapses.fit(n)
         for name in ("erring", "accel", "away", "attentive", "_until", "_surprise", "_held"):
             setattr(self, name, fitted(getattr(self, name), n))

@@ -32,7 +32,10 @@ from aeb_sumo.world.session import Session, SumoError
 from aeb_sumo.world.surroundings import lane
 from aeb_sumo.world.wrecks import Crash
 
-__all__ = ["Progress", "run"]
+__all__ = ["POLLS", "Progress", "run"]
+
+POLLS = ("needed", "every")
+"""Whom to read in a step; see `run`."""
 
 _BLOCKAGE = 60.0  # s, our assumption
 
@@ -62,6 +65,7 @@ def run(
     equip: str | Equipment | None = None,
     verdicts: str = "none",
     forks: int | None = None,
+    poll: str = "needed",
     trace: Recorder | None = None,
     sumo_output: Path | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -88,6 +92,8 @@ def run(
         verdicts: which interventions are judged by a fork of the world in which they do not take place: `all`, `none`,
             or `sample:N`, a random sample of that many per run. No other column of any table depends on it.
         forks: that live at once, beside the run; None for one per core that is free, at least one.
+        poll: whom to read in a step: `needed`, those with whom a conflict is possible, all others once per search cycle
+            of the sensors (`aeb_sumo.world.leads`); or `every`, everyone, which is slow and gives the same.
         trace: looks on, for example an `aeb_sumo.trace.Trace`.
         sumo_output: folder for the output files that the scenario itself asks of SUMO; None throws them away.
         progress: called after every step.
@@ -110,6 +116,8 @@ def run(
     if blockage is not None and not 0 <= blockage < np.inf:
         raise InputError(f"blockage must be 0 or more seconds, not {blockage:g}")
     choice = Choice.parse(verdicts)
+    if poll not in POLLS:
+        raise InputError(f"unknown poll {poll!r}; there are: {', '.join(POLLS)}")
     with tempfile.TemporaryDirectory() as nowhere:
         options = start_options(scenario, Path(nowhere), seed=seed, step_length=step_length, output=sumo_output)
         with Session(options) as session:
@@ -122,7 +130,9 @@ def run(
             carried.check_kinds(session.vehicle_types)
             name = "-".join(filter(None, (Path(scenario.name).stem, scenario.variation)))
             identity = carried.run_id(name, session.seed) if run_id is None else run_id
-            one = _Run(session, scenario, carried, stand, interval, trace, choice, forks, identity)
+            one = _Run(
+                session, scenario, carried, stand, interval, trace, choice, forks, identity, every=poll == "every"
+            )
             with nullcontext() if out is None else Writer(out, identity) as writer:
                 try:
                     return one.simulate(span, progress, stop, writer)
@@ -144,10 +154,12 @@ class _Run:
         choice: Choice,
         forks: int | None,
         run_id: str,
+        *,
+        every: bool,
     ) -> None:
         self._session, self._scenario, self._carried = session, scenario, carried
         self._blockage, self._run_id = blockage, run_id
-        self._engine = engine = Engine(session, scenario, carried, blockage)
+        self._engine = engine = Engine(session, scenario, carried, blockage, every=every)
         self._conflicts = Conflicts(engine.traffic, engine.error, scenario.mu)
         self._verdicts = (
             Verdicts(engine, self._conflicts, choice=choice, forks=Forks(forks))
@@ -238,6 +250,8 @@ class _Run:
     def _book_crash(self, crash: Crash) -> None:
         hit = crash.impact
         self._crashes.book(crash)
+        on_wheels = [slot for slot in (hit.striker, hit.struck) if self._engine.traffic.wheeled[slot]]
+        self._book.crash(np.array(on_wheels), self._engine.time)
         self._conflicts.crash(hit.striker, hit.struck)
         self._interventions.close(crash.striker, "crash", hit.striker_speed)
         self._interventions.close(crash.struck, "crash", hit.struck_speed)

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Bools", "Floats", "Ints", "find", "first_of_each", "fitted", "joined", "put", "take"]
+__all__ = ["Bools", "Floats", "Ints", "find", "first_of_each", "fitted", "joined", "mask", "put", "take"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -47,6 +47,13 @@ def _names_of(kind: Any) -> tuple[str, ...]:
 def _numbers(rows: Ints | Bools) -> NDArray[Any]:
     """Row numbers in place of a mask, which would have to be counted for every array anew."""
     return rows.nonzero()[0] if rows.dtype == np.bool_ else rows
+
+
+def mask(rows: Ints, size: int) -> Bools:
+    """(size,) True in these rows."""
+    result = np.zeros(size, np.bool_)
+    result[rows] = True
+    return result
 
 
 def find(keys: Ints, among: Ints) -> tuple[Ints, Bools]:

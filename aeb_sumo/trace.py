@@ -48,6 +48,7 @@ class Trace:
         t, fleet = self._world.traffic, self._world.fleet
         wanted = [t.slot[v] for v in self._vehicles if v in t.slot] if self._vehicles else t.present.tolist()
         slots = np.array([s for s in wanted if t.here[s]], np.int64)
+        t.read(slots)
         mu, known, target = self._world.friction.at(slots), fleet.friction_known(slots), fleet.targets(slots)
         self.latest = {}
         for k, slot in enumerate(slots.tolist()):

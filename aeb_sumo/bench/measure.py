@@ -154,13 +154,15 @@ def measure_equipped(stretch: Stretch, strategy: str, other: Connection) -> Meas
     timed = _Timed()
     clock = _clock(stretch, other, timed)
     next(clock)
-    results = run(
-        stretch.scenario,
-        strategy,
-        step_length=stretch.step_length,
-        duration=(stretch.settling + sum(_WAKING + turn for turn in stretch.turns)) * stretch.step_length,
-        progress=lambda step: clock.send(step.vehicles),
-    )
+    with tempfile.TemporaryDirectory() as folder:
+        results = run(
+            stretch.scenario,
+            strategy,
+            step_length=stretch.step_length,
+            duration=(stretch.settling + sum(_WAKING + turn for turn in stretch.turns)) * stretch.step_length,
+            out=folder,
+            progress=lambda step: clock.send(step.vehicles),
+        )
     outcome, reason = results.runs[["outcome", "reason"]].iloc[0]
     if outcome != "completed":
         raise InputError(f"the run with {strategy} {outcome}: {reason}")

@@ -51,6 +51,12 @@ _LONG_STEP = 0.2  # s, longer than the cycle of any automotive sensor
     show_default=True,
     help="Interventions judged by a fork of the world without them: all, none or sample:N.",
 )
+@click.option(
+    "--poll",
+    default="needed",
+    show_default=True,
+    help="Vehicles read in a step: needed, where a conflict is possible, or every, which is slow and gives the same.",
+)
 @click.option("--out", help="Folder for the tables, or an fsspec URL. [default: none, only printed]")
 @click.option("--compare", is_flag=True, help="Run the baseline too, same seed, and print both side by side.")
 @click.option(

@@ -6,6 +6,7 @@ the state of traffic change no draw. Whether a drawn glance takes place depends 
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from heapq import heapify, heappop, heappush
 from typing import ClassVar, NamedTuple
 
@@ -17,6 +18,8 @@ from aeb_sumo.parameters import check, within
 from aeb_sumo.soa import Bools, Floats, fitted
 
 __all__ = ["Glances", "HardBraking", "Kind", "Lapse", "Lapses", "Robots"]
+
+_DRAWS = 32  # glances at a time: one by one, drawing costs ten times as much
 
 
 @dataclass(frozen=True)
@@ -57,17 +60,23 @@ class Glances:
 
     def lapses(self, draw: np.random.Generator, driver: str) -> Iterator[Lapse]:  # noqa: ARG002
         """One driver's lapses, on his clock from departure."""
-        # For a median of 2 s or more, half of the glances are longer than that whatever is asked for.
-        sigma = max(np.log(2.0 / self.median) / -ndtri(self.over_two), 0.05)
-        mean_off = self.median * np.exp(sigma**2 / 2)
-        mean_on = mean_off * (1 - self.share) / self.share if self.share > 0 else np.inf
-        log_median = np.log(self.median)
+        mean_on, log_median, sigma = self._moments
         now = 0.0
         while self.share > 0:
-            now += draw.exponential(mean_on)
-            away = draw.lognormal(log_median, sigma)
-            yield Lapse(now, now + away, np.nan)
-            now += away
+            on, off = draw.exponential(mean_on, _DRAWS).tolist(), draw.lognormal(log_median, sigma, _DRAWS).tolist()
+            for eyes_on, away in zip(on, off, strict=True):
+                now += eyes_on
+                yield Lapse(now, now + away, np.nan)
+                now += away
+
+    @cached_property
+    def _moments(self) -> tuple[float, float, float]:
+        """Mean time with the eyes on the road [s], and of the glances the logarithm of their median and its spread."""
+        # For a median of 2 s or more, half of the glances are longer than that whatever is asked for.
+        sigma = max(float(np.log(2.0 / self.median) / -ndtri(self.over_two)), 0.05)
+        mean_off = self.median * float(np.exp(sigma**2 / 2))
+        mean_on = mean_off * (1 - self.share) / self.share if self.share > 0 else np.inf
+        return mean_on, float(np.log(self.median)), sigma
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,6 +153,7 @@ class Lapses:
         accel: (slots, kinds) what the driver does in them [m/s2], nan: hold the acceleration.
         glance: index of the glances among the kinds, or None.
         looked_away, looked_back: slots of those whose glance began, or ended, with the last `advance`.
+        changed: of those of whom any lapse did.
     """
 
     def __init__(self, kinds: Sequence[Kind | None], seed: int) -> None:
@@ -157,6 +167,7 @@ class Lapses:
         self._slots: dict[str, int] = {}
         self.looked_away: list[int] = []
         self.looked_back: list[int] = []
+        self.changed: list[int] = []
         self.on: Bools = np.zeros((0, len(self.kinds)), np.bool_)
         self.accel: Floats = np.zeros((0, len(self.kinds)))
 
@@ -185,17 +196,18 @@ class Lapses:
 
     def advance(self, time: float) -> None:
         """Bring `on` and `accel` to `time` [s]."""
-        self.looked_away, self.looked_back = [], []
+        self.looked_away, self.looked_back, self.changed = [], [], []
         while self._heap and self._heap[0].time <= time:
             event = heappop(self._heap)
             if not self._concerns(event):
                 continue
             self.on[event.slot, event.kind] = event.starts
+            self.changed.append(event.slot)
             if event.kind == self.glance:
                 (self.looked_away if event.starts else self.looked_back).append(event.slot)
             if event.starts:
                 self.accel[event.slot, event.kind] = event.lapse.accel
-                self._push(event._replace(time=event.lapse.end, starts=False))
+                self._push(event.lapse.end, event.slot, event.vehicle, event.kind, event.lapse, starts=False)
             else:
                 self._next(event.slot, event.vehicle, event.kind)
 
@@ -209,8 +221,8 @@ class Lapses:
             return
         begin = self._departed[vehicle]
         lapse = Lapse(begin + lapse.start, begin + lapse.end, lapse.accel)
-        self._push(_Event(lapse.start, 0, slot, vehicle, kind, lapse, True))
+        self._push(lapse.start, slot, vehicle, kind, lapse, starts=True)
 
-    def _push(self, event: _Event) -> None:
+    def _push(self, time: float, slot: int, vehicle: str, kind: int, lapse: Lapse, *, starts: bool) -> None:
         self._count += 1
-        heappush(self._heap, event._replace(order=self._count))
+        heappush(self._heap, _Event(time, self._count, slot, vehicle, kind, lapse, starts))

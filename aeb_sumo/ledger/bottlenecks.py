@@ -53,7 +53,7 @@ class Bottlenecks:
         self._fit()
         rows = self._traffic.present
         names = lanes(self._traffic, rows)
-        now = np.array([self._number(name) if name else -1 for name in names], np.int64)
+        now = np.array([self._number(name) for name in names], np.int64)
         before = self._lane[rows]
         self._lane[rows] = np.where(now >= 0, now, before)
         edge_of = np.array([*self._edge_of, -1])  # the last for no lane
@@ -80,9 +80,12 @@ class Bottlenecks:
         return set(lanes[count >= _QUEUE].tolist())
 
     def _number(self, lane: str) -> int:
+        """Of a lane; -1 for one in a junction, or none, as of who parks."""
         number = self._numbers.get(lane)
+        if number is None and (not lane or lane.startswith(":")):
+            number = self._numbers[lane] = -1
         if number is None:
-            number = self._numbers[lane] = len(self._numbers)
+            number = self._numbers[lane] = len(self._edge_of)
             edge = lane.rpartition("_")[0]
             for ahead in next_lanes(lane):
                 self._feeders.setdefault(ahead, set()).add(number)

@@ -14,12 +14,13 @@ from aeb_sumo.ledger.encounters import THREAT, Pairs, crossing, following
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.soa import Bools, Floats, Ints, find, joined, take
 from aeb_sumo.units import G
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
-from aeb_sumo.world.surroundings import Leads
 
 __all__ = ["Conflicts"]
 
+_NOBODY: Ints = np.zeros(0, np.int64)
 _SLIPPERY = 0.9  # of what a slippery road gives: as hard as a near-crash can be there, our assumption
 _PET = 3.0  # s, our assumption; SSAM counts up to 5
 _PAUSE = 1.0  # s without being a pair after which an encounter is over, our assumption
@@ -111,7 +112,7 @@ class Conflicts:
         self._evasive = min(EVASIVE, _SLIPPERY * mu * G)
         self._errors: dict[int, list[str]] = {}
         nobody = np.zeros(0, np.bool_)
-        self.pairs = following(traffic, Leads(traffic), nobody)
+        self.pairs = following(traffic, Leads(traffic, cycle=traffic.dt, horizon=0.0), nobody)
         self.hard = np.zeros((0, 2), np.bool_)
         self.ended: list[dict[str, Any]] = []
         self._open = _Open.of(self.pairs, 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_))
@@ -146,6 +147,9 @@ class Conflicts:
         """
         t = self._traffic
         self.ended = []
+        if not (len(leads.egos) or len(crossings.ego) or len(self._open.key)):
+            self.pairs, self.hard = take(self.pairs, _NOBODY), self.hard[:0]
+            return
         pairs = following(t, leads, wrecked, among=among)
         if among is not None and len(crossings.ego):
             crossings = take(crossings, np.isin(crossings.ego, among) | np.isin(crossings.other, among))
@@ -156,7 +160,8 @@ class Conflicts:
         o, slots = self._open, pairs.slots
         evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
         braking = np.where(evading, np.maximum(-t.accel[slots], 0.0), 0.0)
-        self.hard = (braking > self._evasive) & np.array([[True, False], [True, True]])[(pairs.key < 0).astype(int)]
+        self.hard = braking > self._evasive
+        self.hard[:, 1] &= pairs.key < 0
         self._note_worst(at, pairs)
         for smallest, value in ((o.min_gap, pairs.gap), (o.min_ttc, pairs.ttc), (o.min_ttc2, pairs.ttc2)):
             smallest[at] = np.minimum(smallest[at], value)
@@ -169,11 +174,12 @@ class Conflicts:
         if crosses.any():
             self._advance(time, at, pairs)
 
-        gone = ~t.here[o.slots].all(1) | np.where(crosses, wrecked[o.slots].all(1), wrecked[o.slots[:, 0]])
-        left = o.leave.min(1)
-        settled = np.isfinite(left) & (np.isfinite(o.enter).all(1) | (time - left > _LONGEST_PET))
-        lost = ~np.isfinite(left) & (time - o.seen > _PAUSE)
-        self._close(gone | settled | lost)
+        over = ~t.here[o.slots].all(1) | (time - o.seen > _PAUSE)
+        if crosses.any():
+            left = o.leave.min(1)
+            settled = np.isfinite(o.enter).all(1) | (time - left > _LONGEST_PET)
+            over = ~t.here[o.slots].all(1) | np.where(np.isfinite(left), settled, time - o.seen > _PAUSE)
+        self._close(over | np.where(crosses, wrecked[o.slots].all(1), wrecked[o.slots[:, 0]]))
 
     def close_all(self) -> None:
         """The run ends."""
@@ -204,6 +210,7 @@ class Conflicts:
     def _advance(self, time: float, at: Ints, pairs: Pairs) -> None:
         """Take all on to where the paths cross, also those that are no pair any more since one has left it."""
         t, o = self._traffic, self._open
+        t.read(o.slots[t.here[o.slots]])
         pace = (t.speed[o.slots] + t.old_speed[o.slots]) / 2
         o.zone[:] -= np.repeat(pace * t.dt, 2, axis=1)
         o.zone[at] = pairs.zone

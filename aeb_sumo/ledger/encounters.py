@@ -8,9 +8,9 @@ from aeb_sumo.criticality import crossing_ttc, drac, required_decel, ttc, ttc2, 
 from aeb_sumo.perception.lead import truly_ahead
 from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.world.contact import Boxes, distance
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
-from aeb_sumo.world.surroundings import Leads
 
 __all__ = ["THREAT", "Pairs", "crossing", "following"]
 
@@ -59,11 +59,13 @@ def _keys(t: Traffic, slots: Ints) -> Ints:
 def following(t: Traffic, leads: Leads, wrecked: Bools, *, among: Ints | None = None) -> Pairs:
     """Vehicles that closed in on the one ahead in the last step, at its begin or at its end; `among` these slots only.
 
+    With whom no conflict is possible (see `Leads`) is not asked.
+
     A lead that SUMO names counts when it is truly there (see `perception.lead.truly_ahead`) and in the way: on the arc
     from the ego's heading to its own, give or take the bodies' widths.
     """
-    ego = t.present if among is None else among
-    ego = ego[(leads.lead[ego] >= 0) & ~wrecked[ego]]
+    ego = leads.egos if among is None else leads.egos[np.isin(leads.egos, among)]
+    ego = ego[~wrecked[ego]]
     lead = leads.lead[ego]
     nears = ((t.speed[ego] > t.speed[lead]) | (t.old_speed[ego] > t.old_speed[lead])).nonzero()[0]
     ego, lead = ego[nears], lead[nears]

@@ -1,8 +1,8 @@
 """Queues: who stands, stops, and waits behind a wreck; looked at once per second.
 
-Definitions, over vehicles that are no wrecks. `share` is the share of the present moment that a vehicle loses against
-driving at the speed it would drive if it were alone (see `aeb_sumo.world.surroundings.lost`); it is 0 at a scheduled
-stop.
+Definitions, over vehicles that are no wrecks. `share` is the share of the time since the last look that a vehicle has
+lost against driving at the speed it would drive if it were alone (see `aeb_sumo.world.surroundings.Trips`); it is 0 at
+a scheduled stop.
 
 * It *stands* when it is slower than 5 km/h, but for scheduled stops. From another source: SUMO's lane area detectors.
 * It *stops* when it comes to stand after having been faster than 10 km/h (our assumption), so that creeping on in a
@@ -20,7 +20,7 @@ import numpy as np
 from aeb_sumo.ledger.bottlenecks import Bottlenecks
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
 from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.surroundings import ahead, lost
+from aeb_sumo.world.surroundings import ahead
 
 __all__ = ["Queues", "behind"]
 
@@ -64,29 +64,36 @@ class Queues:
         self._moving[slot] = self._queued[slot] = self._blocked[slot] = False
         self._bottlenecks.depart(slot)
 
-    def look(self, time: float, span: float, wrecked: Bools) -> dict[str, Floats]:
-        """Look at all vehicles present at `time` [s], for a `span` [s] of time.
+    def look(self, time: float, speed: Floats, shares: Floats, wrecked: Bools) -> dict[str, Floats]:
+        """Look at all vehicles present.
+
+        Args:
+            time: now [s].
+            speed: (n,) of those present [m/s].
+            shares: (n,) of the time since the last look that they have lost.
+            wrecked: per slot.
 
         Returns:
-            By column of table `traffic`, (n,) what each adds to it.
+            By column of table `traffic`, (n,) what each adds to it; durations as shares of the time since then.
         """
         self._fit()
-        t, rows = self._traffic, self._traffic.present
-        shares, speed, free = lost(t), t.speed[rows], ~wrecked[rows]
+        rows = self._traffic.present
+        free = ~wrecked[rows]
         standing = free & (speed < _STANDS) & (shares > 0)
         stops = standing & self._moving[rows]
         self._moving[rows] = (self._moving[rows] & (speed >= _STANDS)) | (speed > _MOVES)
         queued = free & (shares > np.where(self._queued[rows], _FREE, _QUEUED))
         self._queued[rows] = queued
         headway = self._bottlenecks.look(time, self._queued)
-        return {
-            "delay_s": shares * span,
-            "standing_s": standing * span,
+        result = {
+            "standing_s": standing.astype(float),
             "stops": stops.astype(float),
-            "blocked_s": self._are_blocked(wrecked)[rows] * shares * span,
-            "discharged": np.isin(rows, list(headway)).astype(float),
-            "headway_s": np.array([headway.get(slot, 0.0) for slot in rows.tolist()]),
+            "blocked_s": self._are_blocked(wrecked)[rows] * shares,
         }
+        if headway:
+            result["discharged"] = np.isin(rows, list(headway)).astype(float)
+            result["headway_s"] = np.array([headway.get(slot, 0.0) for slot in rows.tolist()])
+        return result
 
     def _are_blocked(self, wrecked: Bools) -> Bools:
         """Per slot."""

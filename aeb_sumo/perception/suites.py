@@ -27,6 +27,8 @@ class Suite:
             everything in view as it is.
         persist: ideal suites: a target counts once it has been in view without a gap for this long; all suites: so
             long must a crossing conflict last [s], our assumption.
+        search: a target that is new, or with which no conflict was possible, is looked for once in so long, at a phase
+            of every vehicle's own; else it is watched in every step (`aeb_sumo.world.leads`) [s], our assumption.
         cycle: time between frames [s], our assumption (automotive radar and camera: 40 to 60 ms).
         confirm: a track counts once it has been detected in so many of so many frames (M of N), our assumption.
         coast: and until it has not been detected for so many frames in a row, our assumption.
@@ -43,6 +45,7 @@ class Suite:
     name: str
     sensors: tuple[Sensor, ...] = ()
     persist: float = 0.2
+    search: float = within(0.2, 0.001, 10.0)
     cycle: float = 0.05
     confirm: tuple[int, int] = (3, 5)
     coast: int = 4

@@ -145,6 +145,7 @@ class Camera:
 
     def _frame(self) -> Frame:
         t, fleet = self._engine.traffic, self._engine.fleet
+        t.read(t.present)
         for name in self._two:
             slot = self.slot(name)
             if slot is not None:

@@ -129,11 +129,18 @@ class Strategy(ABC):
 
     @property
     def cycle(self) -> float:
-        """Time between two steps of the system [s], counted from the first sight of a target, our assumption.
+        """Time between two steps of the system [s], counted from its vehicle's departure, our assumption.
 
         0: one in every step of the simulation. Sensors have a cycle of their own.
         """
         return 0.0
+
+    def longest_ttc(self, mu: float) -> float:  # noqa: ARG002
+        """The longest time to collision at which it acts on a road of friction `mu` [s], closing in with up to 40 m/s.
+
+        A target farther away need not be watched in every step. 4: our assumption.
+        """
+        return 4.0
 
     def __post_init__(self) -> None:
         """Raises `InputError` for a parameter out of range."""

@@ -63,6 +63,10 @@ class CarefulDriver(Strategy):
         default_factory=lambda: BrakeParams(dead_time=0.0, lag=0.0, build_up=12.65, release=np.inf, open_loop=True)
     )
 
+    def longest_ttc(self, mu: float) -> float:  # noqa: ARG002
+        """See `Strategy.longest_ttc`."""
+        return self.risk_ttc
+
     def init(self, n: int) -> CarefulState:
         """See `Strategy.init`."""
         return CarefulState(np.full(n, np.inf), np.zeros(n, np.bool_))

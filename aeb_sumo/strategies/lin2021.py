@@ -69,6 +69,10 @@ class Lin2021(Strategy):
         """See `Strategy.friction_prior`."""
         return None if self.knows_road else self.prior
 
+    def longest_ttc(self, mu: float) -> float:
+        """See `Strategy.longest_ttc`."""
+        return self.c_warning * 40.0 / (mu * G) + self.t1 + self.t2 + self.t3
+
     def init(self, n: int) -> Lin2021State:
         """See `Strategy.init`."""
         return Lin2021State(np.zeros(n, np.int64))

@@ -67,6 +67,10 @@ class Perfect(Strategy):
         default_factory=lambda: BrakeParams(dead_time=0.0, lag=0.0, build_up=np.inf, release=np.inf, open_loop=True)
     )
 
+    def longest_ttc(self, mu: float) -> float:
+        """See `Strategy.longest_ttc`."""
+        return max(self.horizon, 40.0 / (2 * self.share * mu * G))
+
     def init(self, n: int) -> PerfectState:
         """See `Strategy.init`."""
         return PerfectState(np.zeros(n, np.bool_))

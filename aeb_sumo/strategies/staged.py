@@ -73,6 +73,10 @@ class Staged(Strategy):
         if self.warn_ttc < self.brake_ttc:
             raise InputError(f"{type(self).__name__}.warn_ttc must not be below brake_ttc ({self.brake_ttc:g})")
 
+    def longest_ttc(self, mu: float) -> float:  # noqa: ARG002
+        """See `Strategy.longest_ttc`."""
+        return self.warn_ttc
+
     def init(self, n: int) -> StagedState:
         """See `Strategy.init`."""
         return StagedState(np.zeros(n, np.int64), np.zeros(n), np.zeros(n))

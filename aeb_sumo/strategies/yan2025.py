@@ -77,6 +77,10 @@ class Yan2025(Strategy):
         if self.rule not in _RULES:
             raise InputError(f"Yan2025.rule must be one of {', '.join(_RULES)}, not {self.rule!r}")
 
+    def longest_ttc(self, mu: float) -> float:  # noqa: ARG002
+        """See `Strategy.longest_ttc`."""
+        return max(self.warn_ttc, self.brake_ttc, self.horizon)
+
     def init(self, n: int) -> Yan2025State:
         """See `Strategy.init`."""
         return Yan2025State(np.zeros(n, np.int64))

@@ -98,6 +98,10 @@ class Zheng2020(Strategy):
         super().__post_init__()
         driver_classes(self.classes_file or None)
 
+    def longest_ttc(self, mu: float) -> float:  # noqa: ARG002
+        """See `Strategy.longest_ttc`."""
+        return float(self.warn_threshold(np.linspace(0.0, 40.0, 41)).max())
+
     def init(self, n: int) -> Zheng2020State:
         """See `Strategy.init`."""
         return Zheng2020State(np.zeros(n, np.bool_))

@@ -58,6 +58,7 @@ class Witness:
         self._gap = min(self._gap, float(pairs.gap[own].min(initial=np.inf)))
         # What stops a wreck is not its brake.
         behind = np.flatnonzero((leads.lead == slot) & t.here & ~self._engine.wrecks.wrecked)
+        t.read(behind)
         close = behind[leads.gap[behind] <= _CLOSE * t.speed[behind]]
         self._follower = max(self._follower, float((-t.accel[close]).max(initial=0.0)))
 

@@ -107,13 +107,13 @@ def _boxes_at(t: Traffic, slots: Ints, when: Floats | float) -> Boxes:
 
 
 def jumped(t: Traffic, slots: Ints) -> Bools:
-    """Vehicles whose move in the last step was no motion: inserted, teleported or put on another lane at once."""
+    """Vehicles whose move in the last step was no motion: new to us, teleported or put on another lane at once."""
     dx, dy = t.x[slots] - t.old_x[slots], t.y[slots] - t.old_y[slots]
     cos, sin = np.cos(t.old_heading[slots]), np.sin(t.old_heading[slots])
     driven = (t.old_speed[slots] + t.speed[slots]) / 2 * t.dt
     # In a curve the chord is shorter than the way driven, and turned against the old heading.
     ahead, sideways = dx * cos + dy * sin - driven, np.abs(dy * cos - dx * sin)
-    result: Bools = t.fresh[slots] | (np.abs(ahead) > 1.0 + 0.5 * driven) | (sideways > 0.6 + 0.3 * driven)
+    result: Bools = t.sudden[slots] | (np.abs(ahead) > 1.0 + 0.5 * driven) | (sideways > 0.6 + 0.3 * driven)
     return result
 
 
@@ -148,15 +148,19 @@ def _may_have_touched(a: Boxes, b: Boxes, *, dx: Floats, dy: Floats, turned: Flo
     return result
 
 
-def touching(t: Traffic) -> tuple[Ints, Floats]:
+def touching(t: Traffic, among: Ints) -> tuple[Ints, Floats]:
     """Pairs of vehicles, or of a vehicle and a walker, whose boxes touch during the last step.
+
+    Args:
+        t: all vehicles.
+        among: slots of those that are followed, rising; walkers are added.
 
     Returns:
         (n, 2) slots, the smaller first, in rising order, and (n,) instant of the first contact as a fraction of the
         step. For vehicles that jumped there is no motion to sweep: only the end of the step counts, and the instant
         is 1.
     """
-    rows = np.append(t.present, t.walkers) if len(t.walkers) else t.present
+    rows = np.append(among, t.walkers) if len(t.walkers) else among
     none = np.zeros((0, 2), np.int64), np.zeros(0)
     if len(rows) < 2:
         return none
@@ -165,7 +169,7 @@ def touching(t: Traffic) -> tuple[Ints, Floats]:
     end = Boxes.of(x, y, heading, length, t.width[rows])
     i, j = _within_reach(end.cx, end.cy, np.hypot(end.half_length, end.half_width) + np.hypot(dx, dy))
     if len(t.walkers):
-        i, j = (k[np.minimum(i, j) < len(t.present)] for k in (i, j))
+        i, j = (k[np.minimum(i, j) < len(among)] for k in (i, j))
     if not len(i):
         return none
     turn = np.abs(np.sin(heading - t.old_heading[rows]))

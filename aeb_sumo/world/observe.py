@@ -37,8 +37,12 @@ _CAR_MASS = 1500.0
 
 
 _MOTION = ("x", "y", "heading", "speed")
-_OTHER = ("accel", "length", "width", "min_gap", "mass", "serial", "vulnerable", "driven", "here", "fresh")
+_OTHER = (
+    "accel", "length", "width", "min_gap", "fastest", "brakes", "mass", "serial", "vulnerable", "driven", "wheeled",
+    "here", "fresh", "sudden", "followed_at", "read_at",
+)  # fmt: skip
 _ARRAYS = (*_MOTION, *("old_" + name for name in _MOTION), *_OTHER)
+_NEVER = -10  # no step, nor the one before it
 
 
 class Traffic:
@@ -47,11 +51,15 @@ class Traffic:
     A vehicle has one slot from departure to arrival, so other parts of the platform can keep arrays of their own
     beside these; a slot is used again after its vehicle has left.
 
+    Reading costs as much as simulating, so only those are read whom somebody asks for: `read` for whoever looks on,
+    `follow` for whoever takes part in what happens. What is in the arrays of others is of the step when they were read
+    last. Those who are followed from one step to the next have an earlier state.
+
     Attributes:
         ids, vclass, vtype: per slot, strings.
         slot: vehicle id -> slot.
-        walkers: slots of the persons on foot (`aeb_sumo.world.walkers`); nothing else here is about them.
-        present: slots of the vehicles on the network now, in the order of SUMO's list.
+        walkers: slots of the persons on foot (`aeb_sumo.world.walkers`), who are read in every step.
+        present: slots of the vehicles on the network now, rising.
         departed, left: slots of vehicles that came and (slots, ids) that went with the last step.
         arrived: ids of vehicles that reached their destination with the last step; others that left were taken away.
         x, y: centre of the front bumper [m].
@@ -59,18 +67,27 @@ class Traffic:
         speed, accel: [m/s], [m/s2]; the acceleration is that of the last step.
         old_x ... old_speed: the same a step earlier.
         length, width, min_gap, mass: [m], [m], [m], [kg].
+        fastest: the highest speed it can reach [m/s].
+        brakes: how hard SUMO's driver may brake unless there is an emergency [m/s2].
         serial: running number of the vehicle or walker, from 1, which tells it from others that had its slot.
         vulnerable: a two-wheeler or a pedestrian.
         driven: a motor vehicle with a driver.
+        wheeled: no walker.
         here: on the network now.
-        fresh: no earlier state (just inserted, or back from a teleport): old equals new.
+        fresh: just inserted, or back from a teleport.
+        sudden: followed since this step only, or fresh: no earlier state, where the old position equals the new.
+        followed_at, read_at: numbers of the steps when that happened last.
         teleports: how often a vehicle has been taken off the road to be put back elsewhere.
         inserted: how many vehicles have departed.
         dt: step length [s].
+        step: number of the last step.
+        every: everyone is read in every step.
     """
 
-    def __init__(self, dt: float) -> None:
+    def __init__(self, dt: float, *, every: bool = False) -> None:
         self.dt = dt
+        self.every = every
+        self.step = 0
         none = np.zeros(0)
         self.x: Floats = none
         self.y: Floats = none
@@ -84,12 +101,18 @@ class Traffic:
         self.length: Floats = none
         self.width: Floats = none
         self.min_gap: Floats = none
+        self.fastest: Floats = none
+        self.brakes: Floats = none
         self.mass: Floats = none
         self.serial: Floats = none
         self.vulnerable: Bools = np.zeros(0, np.bool_)
         self.driven: Bools = np.zeros(0, np.bool_)
+        self.wheeled: Bools = np.zeros(0, np.bool_)
         self.here: Bools = np.zeros(0, np.bool_)
         self.fresh: Bools = np.zeros(0, np.bool_)
+        self.sudden: Bools = np.zeros(0, np.bool_)
+        self.followed_at: Ints = np.zeros(0, np.int64)
+        self.read_at: Ints = np.zeros(0, np.int64)
         self.ids: list[str] = []
         self.vclass: list[str] = []
         self.vtype: list[str] = []
@@ -103,7 +126,7 @@ class Traffic:
         self.inserted = 0
         self._admitted = 0
         self._free: list[int] = []
-        self._listed: tuple[str, ...] = ()
+        self._refreshed: list[int] = []
         self._away: set[str] = set()
 
     @property
@@ -111,51 +134,115 @@ class Traffic:
         """Length of the arrays: slots in use and to spare."""
         return len(self.x)
 
+    @property
+    def followed(self) -> Bools:
+        """Per slot, whether it is followed in this step."""
+        result: Bools = self.followed_at == self.step
+        return result
+
     def rear(self, slots: Ints) -> tuple[Floats, Floats]:
         """(n,) x and (n,) y of the centre of the rear bumpers of those in these slots [m]."""
         heading, length = self.heading[slots], self.length[slots]
         return self.x[slots] - length * np.cos(heading), self.y[slots] - length * np.sin(heading)
 
     def observe(self) -> None:
-        """Read the state after a step."""
+        """See who is there after a step."""
+        self.step += 1
         self.departed, self.left = [], []
-        self.fresh[:] = False
-        listed = libsumo.vehicle.getIDList()
-        if listed != self._listed:
-            self._update_slots(listed)
-        if libsumo.simulation.getStartingTeleportNumber() or libsumo.simulation.getEndingTeleportNumber():
+        if self._refreshed:
+            self.fresh[self._refreshed] = False
+            self._refreshed = []
+        sim = libsumo.simulation
+        came, went = sim.getDepartedNumber(), sim.getArrivedNumber()
+        jumps = sim.getStartingTeleportNumber() or sim.getEndingTeleportNumber()
+        count = libsumo.vehicle.getIDCount()
+        if came or went or jumps or self._away or count != len(self.present):
+            if jumps or self._away or count != len(self.present) + came - went or not self._updated():
+                self._compared()
+            self.present = (self.here & self.wheeled).nonzero()[0]
+        if jumps:
             self._mark_teleports()
-        rows = self.present
-        for name in _MOTION:
-            getattr(self, "old_" + name)[rows] = getattr(self, name)[rows]
-        if len(rows):
-            position, angle, speed = libsumo.vehicle.getPosition, libsumo.vehicle.getAngle, libsumo.vehicle.getSpeed
-            self.x[rows], self.y[rows] = np.array(list(map(position, listed))).T
-            self.heading[rows] = np.radians(90.0 - np.array(list(map(angle, listed))))
-            self.speed[rows] = np.array(list(map(speed, listed)))
-        new = self.fresh.nonzero()[0]
-        if len(new):
-            for name in _MOTION:
-                getattr(self, "old_" + name)[new] = getattr(self, name)[new]
-        self.accel[rows] = (self.speed[rows] - self.old_speed[rows]) / self.dt
+        if self.every:
+            self.read(self.present)
 
-    def _update_slots(self, listed: tuple[str, ...]) -> None:
-        now = set(listed)
-        gone = [v for v in self._listed if v not in now]
-        if gone or self._away:
+    def read(self, slots: Ints) -> None:
+        """Bring the arrays up to date for the vehicles on the road in these slots."""
+        rows = slots[self.read_at[slots] != self.step]
+        if not len(rows):
+            return
+        for name in ("x", "y", "heading"):
+            getattr(self, "old_" + name)[rows] = getattr(self, name)[rows]
+        get = libsumo.vehicle
+        position, angle, speed, accel = get.getPosition, get.getAngle, get.getSpeed, get.getAcceleration
+        ids = self.ids
+        state = np.array([(*position(v), angle(v), speed(v), accel(v)) for v in (ids[k] for k in rows.tolist())]).T
+        self.x[rows], self.y[rows], heading, self.speed[rows], self.accel[rows] = state
+        self.heading[rows] = np.radians(90.0 - heading)
+        self.old_speed[rows] = self.speed[rows] - self.accel[rows] * self.dt
+        self.read_at[rows] = self.step
+
+    def follow(self, slots: Ints) -> None:
+        """Read the vehicles on the road in these slots, and know in the next step where they were in this one.
+
+        Whether somebody else looks on (`read`, `every`) makes no difference.
+        """
+        self.read(slots)
+        new = slots[(self.followed_at[slots] < self.step - 1) | self.fresh[slots]]
+        self.sudden[slots[self.followed_at[slots] < self.step]] = False
+        if len(new):
+            self.sudden[new] = True
+            for name in ("x", "y", "heading"):
+                getattr(self, "old_" + name)[new] = getattr(self, name)[new]
+            new = new[self.fresh[new]]
+            self.old_speed[new], self.accel[new] = self.speed[new], 0.0
+        self.followed_at[slots] = self.step
+
+    def _updated(self) -> bool:
+        """Take in who departed and arrived by SUMO's lists; False if they do not tell all."""
+        arrived = libsumo.simulation.getArrivedIDList()
+        departed = libsumo.simulation.getDepartedIDList()
+        if not (self.slot.keys() >= set(arrived)) or not self.slot.keys().isdisjoint(departed):
+            return False
+        self.arrived = frozenset(arrived)
+        for vehicle in arrived:
+            self._dropped(vehicle)
+        for vehicle in departed:
+            self._entered(vehicle)
+        return True
+
+    def _compared(self) -> None:
+        """Take in who came and went by comparing all with those of the step before."""
+        now = libsumo.vehicle.getIDList()
+        listed = set(now)
+        gone = [v for v, slot in self.slot.items() if v not in listed and (self.here[slot] or v in self._away)]
+        if gone:
             teleporting = set(libsumo.vehicle.getTeleportingIDList())
             self.arrived = frozenset(libsumo.simulation.getArrivedIDList())
-            for vehicle in [*gone, *sorted(self._away)]:
+            for vehicle in gone:
                 self.here[self.slot[vehicle]] = False
-                if vehicle not in teleporting and vehicle not in now:
-                    self.left.append((self.slot.pop(vehicle), vehicle))
-            self._away = {v for v in {*self._away, *gone} if v in teleporting}
-        for vehicle in listed:
-            slot = self.slot[vehicle] if vehicle in self.slot else self._admit(vehicle)
-            if not self.here[slot]:
-                self.here[slot] = self.fresh[slot] = True
-        self._listed = listed
-        self.present = np.array([self.slot[v] for v in listed], np.int64)
+                if vehicle not in teleporting:
+                    self._dropped(vehicle)
+            self._away = {v for v in gone if v in teleporting}
+        else:
+            self._away = set()
+        for vehicle in now:
+            if vehicle not in self.slot or not self.here[self.slot[vehicle]]:
+                self._entered(vehicle)
+
+    def _entered(self, vehicle: str) -> None:
+        slot = self.slot[vehicle] if vehicle in self.slot else self._admit(vehicle)
+        self.here[slot] = True
+        self.refresh(slot)
+
+    def _dropped(self, vehicle: str) -> None:
+        slot = self.slot.pop(vehicle)
+        self.here[slot] = False
+        self.left.append((slot, vehicle))
+
+    def refresh(self, slot: int) -> None:
+        """Whoever is in a slot has no earlier state."""
+        self.fresh[slot] = True
+        self._refreshed.append(slot)
 
     def _mark_teleports(self) -> None:
         """A teleport can begin and end in the same step: the vehicle never leaves SUMO's list, but it has jumped."""
@@ -163,14 +250,16 @@ class Traffic:
         self.teleports += len(started)
         for vehicle in (*started, *libsumo.simulation.getEndingTeleportIDList()):
             if vehicle in self.slot:
-                self.fresh[self.slot[vehicle]] = True
+                self.refresh(self.slot[vehicle])
 
     def _admit(self, vehicle: str) -> int:
         get = libsumo.vehicle
         vclass, vtype = get.getVehicleClass(vehicle), get.getTypeID(vehicle)
         slot = self.admit(vehicle, vclass, vtype, length=get.getLength(vehicle), width=get.getWidth(vehicle))
         self.slot[vehicle] = slot
-        self.min_gap[slot] = get.getMinGap(vehicle)
+        self.min_gap[slot], self.fastest[slot] = get.getMinGap(vehicle), get.getMaxSpeed(vehicle)
+        self.brakes[slot] = get.getDecel(vehicle)
+        self.wheeled[slot] = True
         self.departed.append(slot)
         self.inserted += 1
         return slot
@@ -187,7 +276,10 @@ class Traffic:
                 for array in _ARRAYS:
                     setattr(self, array, fitted(getattr(self, array), max(64, 2 * slot)))
         self.ids[slot], self.vclass[slot], self.vtype[slot] = name, vclass, vtype
-        self.length[slot], self.width[slot], self.min_gap[slot] = length, width, 0.0
+        self.length[slot], self.width[slot] = length, width
+        self.min_gap[slot] = self.fastest[slot] = self.brakes[slot] = 0.0
+        self.wheeled[slot] = False
+        self.read_at[slot] = self.followed_at[slot] = _NEVER
         self.mass[slot] = _MASS.get(vclass, _CAR_MASS)
         self.vulnerable[slot] = vclass in VClasses.VULNERABLE
         self.driven[slot] = vclass in VClasses.DRIVEN

@@ -16,7 +16,6 @@ __all__ = ["Crossings", "Path", "Paths", "Turns"]
 _SPACING = 0.5  # m between the points of a path
 _BEFORE = 60.0  # m before a junction at which a vehicle's path through it begins to matter, our assumption
 _TURNS = frozenset("lLrRt")
-_SLACK = 5.0  # m, spare when it is reckoned how soon a vehicle can come as near as that
 _BEHIND = 2.0  # m behind a junction that a vehicle's tail has to be before it looks to the next one
 
 
@@ -81,6 +80,9 @@ class Crossings:
     zone: Floats
 
 
+_NONE = Crossings(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros((0, 4)))
+
+
 class Paths:
     """Planned paths of vehicles, followed lane by lane.
 
@@ -99,18 +101,22 @@ class Paths:
         self.users: list[tuple[Path, float]] = []
         self._junctions: dict[str, int] = {}
         self._junction_of: list[int] = []  # per user
-        self._away: Floats = np.zeros(0)  # per slot, so far may it go before its path is asked for again [m]
+        self._due: Ints = np.zeros(0, np.int64)  # per slot, step in which its path has to be asked for again
         # Where the paths of two users cross: keys, rising, the last one beyond all others, and a row for each, nan
         # where they do not.
         self._keys: Ints = np.full(1, np.iinfo(np.int64).max)
         self._zones: Floats = np.full((1, 4), np.nan)
         none = np.zeros(0, np.int64)
         self.turns = Turns(none, np.zeros(0), none)
-        self.crossings = Crossings(none, none, np.zeros((0, 4)))
+        self.crossings = _NONE
 
     def step(self) -> None:
-        """From the state just observed to `turns` and `crossings`."""
+        """From the traffic just observed to `turns` and `crossings`; those in turns are followed."""
         self.turns = self._near_junctions()
+        if not len(self.turns.slot):
+            self.crossings = _NONE
+            return
+        self._traffic.follow(self.turns.slot)
         i, j = self.pairs()
         zone = self._zones_of(self.turns.user[i], self.turns.user[j])
         crossed = np.isfinite(zone[:, 0]).nonzero()[0]
@@ -163,26 +169,32 @@ class Paths:
         for _, vehicle in t.left:
             self._current.pop(vehicle, None)
         # Who was far from any junction cannot be near one yet.
-        self._away, rows = fitted(self._away, t.capacity), t.present
-        self._away[rows] -= np.maximum(t.speed[rows], t.old_speed[rows]) * t.dt
-        self._away[t.fresh] = 0.0
-        width, length = t.width.tolist(), t.length.tolist()
-        for slot in rows[self._away[rows] <= 0].tolist():
+        self._due = fitted(self._due, t.capacity)
+        if t.departed or t.fresh.any():
+            self._due[t.fresh] = 0
+        reach = t.fastest * t.dt
+        for slot in (t.here & t.wheeled & (self._due <= t.step)).nonzero()[0].tolist():
             vehicle = t.ids[slot]
             lane, path, position = self._follow(vehicle)
+            far = 0.0
             if path is None:
                 if lane and not lane.startswith(":"):
-                    self._away[slot] = self._network.length(lane) - position - _BEFORE - _SLACK
-                continue
-            at = path.starts[lane] + position
-            if lane == path.to and position > length[slot] + _BEHIND:
-                self._current[vehicle] = (lane, self._path_from(vehicle, lane))
-            elif at < path.junction_at - _BEFORE:
-                self._away[slot] = path.junction_at - _BEFORE - at - _SLACK
-            elif path.crossed:
-                slots.append(slot)
-                positions.append(at)
-                users.append(self._user(path, width[slot] / 2))
+                    left = self._network.length(lane) - position
+                    far = left if left <= _BEFORE and self._is_last(vehicle) else left - _BEFORE
+            else:
+                at = path.starts[lane] + position
+                if lane == path.to and position > t.length[slot] + _BEHIND:
+                    self._current[vehicle] = (lane, self._path_from(vehicle, lane))
+                elif at < path.junction_at - _BEFORE:
+                    far = path.junction_at - _BEFORE - at
+                elif not path.crossed:
+                    far = path.starts[path.to] - at
+                else:
+                    slots.append(slot)
+                    positions.append(at)
+                    users.append(self._user(path, float(t.width[slot]) / 2))
+            if far > 0:
+                self._due[slot] = t.step + int(far / reach[slot])
         return Turns(np.array(slots, np.int64), np.array(positions), np.array(users, np.int64))
 
     def _follow(self, vehicle: str) -> tuple[str, Path | None, float]:
@@ -231,6 +243,11 @@ class Paths:
             crossed.origin + zone.other_from,
             crossed.origin + zone.other_to,
         )
+
+    @staticmethod
+    def _is_last(vehicle: str) -> bool:
+        """Whether a vehicle's route ends on the edge where it is."""
+        return bool(libsumo.vehicle.getRouteIndex(vehicle) + 1 >= len(libsumo.vehicle.getRoute(vehicle)))
 
     def _path_from(self, vehicle: str, lane: str) -> Path | None:
         """The path on from a lane: through the next junction, or the one that the lane is inside of; None if none."""

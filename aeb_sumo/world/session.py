@@ -80,6 +80,7 @@ class Session:
         if Session._running:
             raise RuntimeError("libsumo runs one simulation per process, and one is running")
         self._messages = tempfile.TemporaryFile(mode="w+b")  # noqa: SIM115 - closed with the session
+        self._streams = os.dup(1), os.dup(2)
         try:
             with self._silenced():
                 libsumo.start(["sumo", *options])
@@ -87,7 +88,7 @@ class Session:
             self.begin: float = libsumo.simulation.getTime()
         except _REFUSALS as error:
             reason = self._reason(error)
-            self._messages.close()
+            self._end()
             raise SumoError(reason) from None
         Session._running = True
 
@@ -106,7 +107,12 @@ class Session:
         Session._running = False
         with self._silenced():
             libsumo.close()
+        self._end()
+
+    def _end(self) -> None:
         self._messages.close()
+        for stream in self._streams:
+            os.close(stream)
 
     def step(self) -> None:
         """Simulate one step.
@@ -114,11 +120,17 @@ class Session:
         Raises:
             SumoError: SUMO gave up, for instance on a broken route.
         """
+        # As `_silenced`, for less: nothing is printed from Python meanwhile.
+        target = self._messages.fileno()
+        os.dup2(target, 1)
+        os.dup2(target, 2)
         try:
-            with self._silenced():
-                libsumo.simulationStep()
+            libsumo.simulationStep()
         except _REFUSALS as error:
             raise SumoError(self._reason(error)) from None
+        finally:
+            os.dup2(self._streams[0], 1)
+            os.dup2(self._streams[1], 2)
 
     @property
     def time(self) -> float:

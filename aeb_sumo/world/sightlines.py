@@ -14,8 +14,8 @@ _POINTS = (0.5, 0.0, 1.0)  # of the target's length, from its front
 class Sightlines:
     """Lines of sight between vehicles, as seen from above.
 
-    Motor vehicles and buildings hide what is behind them, whatever their heights; two-wheelers and pedestrians are too
-    small to hide anybody, our assumption.
+    Motor vehicles that are followed, which are all those near junctions where others cross, and buildings hide what is
+    behind them, whatever their heights; two-wheelers and pedestrians are too small to hide anybody, our assumption.
     """
 
     def __init__(self, traffic: Traffic, walls: Floats) -> None:
@@ -61,7 +61,7 @@ class Sightlines:
     def _bodies_now(self) -> Screens:
         if self._bodies is None:
             t = self._traffic
-            rows = t.present[~t.vulnerable[t.present]]
+            rows = (t.followed & t.here & ~t.vulnerable).nonzero()[0]
             pieces = diagonals(
                 x=t.x[rows], y=t.y[rows], heading=t.heading[rows], length=t.length[rows], width=t.width[rows]
             )

@@ -1,52 +1,20 @@
 """Questions about single vehicles that only SUMO can answer."""
 
+from dataclasses import dataclass
+
 import libsumo
 import numpy as np
 
-from aeb_sumo.drivers.lapses import Glances
-from aeb_sumo.soa import Floats, Ints, fitted
+from aeb_sumo.soa import Floats, Ints
+from aeb_sumo.world.leads import REACH
 from aeb_sumo.world.observe import Traffic
 
 __all__ = [
-    "Leads", "ahead", "demanding", "lane", "lanes", "lateral_position", "lost", "next_lanes", "overlook", "pending",
-    "to_end",
+    "Onward", "Trips", "ahead", "lane", "lanes", "lateral_position", "next_lanes", "overlook", "pending", "to_end",
+    "trips",
 ]  # fmt: skip
 
-_REACH = 150.0  # m, as far as any sensor sees
 _IGNORE_IDS = "junctionModel.ignoreIDs"
-
-
-class Leads:
-    """The vehicle ahead of each vehicle, as SUMO names it.
-
-    Attributes:
-        lead: per slot, slot of the vehicle ahead, -1 for none within 150 m.
-        gap: per slot, bumper to bumper [m], `inf` for none. SUMO leaves the ego's minGap out of its answer; here it is
-            back in. In and before junctions SUMO's gaps are not to be trusted (see `perception.lead.sees_lead`).
-    """
-
-    def __init__(self, traffic: Traffic) -> None:
-        self._traffic = traffic
-        self.lead: Ints = np.zeros(0, np.int64)
-        self.gap: Floats = np.zeros(0)
-
-    def step(self) -> None:
-        """Ask for all vehicles present."""
-        t = self._traffic
-        self.lead, self.gap = fitted(self.lead, t.capacity), fitted(self.gap, t.capacity)
-        self.lead[:], self.gap[:] = -1, np.inf
-        get, ids, known = libsumo.vehicle.getLeader, t.ids, t.slot
-        egos: list[int] = []
-        leads: list[int] = []
-        gaps: list[float] = []
-        for slot in t.present.tolist():
-            answer = get(ids[slot], _REACH)
-            if answer is not None and answer[0] in known:
-                egos.append(slot)
-                leads.append(known[answer[0]])
-                gaps.append(answer[1])
-        ego = np.array(egos, np.int64)
-        self.lead[ego], self.gap[ego] = leads, np.array(gaps) + t.min_gap[ego]
 
 
 def lateral_position(t: Traffic, slots: Ints) -> Floats:
@@ -55,25 +23,27 @@ def lateral_position(t: Traffic, slots: Ints) -> Floats:
     return np.array([get(t.ids[slot]) for slot in slots.tolist()], float)
 
 
-def demanding(t: Traffic, leads: Leads, slot: int, calm: Glances) -> bool:
-    """Whether the driver has reason to keep his eyes on the road just now.
+class Onward:
+    """How far vehicles can stay on their lanes until they have to be on another for their routes."""
 
-    He has when he brakes or speeds up, closes in on the vehicle ahead, follows it closely, or has to find a gap because
-    his lane soon leads off his route; `calm` says from where on. Drivers choose calm moments to look away.
-    """
-    vehicle = t.ids[slot]
-    if abs(t.accel[slot]) > calm.calm_accel:
-        return True
-    lead, gap = leads.lead[slot], leads.gap[slot]
-    if lead >= 0:
-        closing = t.speed[slot] - t.speed[lead]
-        if gap < closing * calm.calm_ttc or gap < t.speed[slot] * calm.calm_headway:
-            return True
-    lane = libsumo.vehicle.getLaneID(vehicle)
-    if lane.startswith(":"):
-        return False
-    left = {best[0]: best[1] for best in libsumo.vehicle.getBestLanes(vehicle) if best[3] != 0}
-    return lane in left and bool(left[lane] - libsumo.vehicle.getLanePosition(vehicle) < calm.calm_lane)
+    def __init__(self, traffic: Traffic) -> None:
+        self._traffic = traffic
+        self._known: dict[int, tuple[str, float]] = {}  # slot -> lane, and where on it one has to have left it [m]
+
+    def left(self, slot: int) -> float:
+        """From where the vehicle in a slot is now [m]; `inf` for as far as it goes, and in junctions."""
+        vehicle, get = self._traffic.ids[slot], libsumo.vehicle
+        lane = get.getLaneID(vehicle)
+        known, end = self._known.get(slot, ("", np.inf))
+        if lane != known:
+            left = {best[0]: best[1] for best in get.getBestLanes(vehicle) if best[3] != 0}
+            end = left.get(lane, np.inf)
+            self._known[slot] = lane, end
+        return end - float(get.getLanePosition(vehicle)) if end < np.inf else np.inf
+
+    def forget(self, slot: int) -> None:
+        """The vehicle in a slot is gone."""
+        self._known.pop(slot, None)
 
 
 def lane(vehicle: str) -> str:
@@ -86,32 +56,39 @@ def overlook(vehicle: str, others: set[str]) -> None:
     libsumo.vehicle.setParameter(vehicle, _IGNORE_IDS, " ".join(sorted(others)))
 
 
-def lost(t: Traffic) -> Floats:
-    """Share of the present moment that each vehicle present loses, 0 to 1.
+@dataclass(frozen=True)
+class Trips:
+    """How far vehicles have come, (n,) each.
 
-    Against driving at the speed it would drive if it were alone on its lane; who stops on schedule loses nothing.
+    Attributes:
+        speed: [m/s].
+        driven: since their departure [m].
+        lost: against driving at the speed they would drive if they were alone on their lanes, since then [s]; who stops
+            on schedule loses nothing.
     """
-    allowed, fastest, stopped = (
-        libsumo.vehicle.getAllowedSpeed, libsumo.vehicle.getMaxSpeed, libsumo.vehicle.isStopped,
-    )  # fmt: skip
-    shares = np.zeros(len(t.present))
-    for k, slot in enumerate(t.present.tolist()):
-        vehicle, speed = t.ids[slot], t.speed[slot]
-        if speed > 0.1 or not stopped(vehicle):
-            shares[k] = max(0.0, 1 - speed / max(min(allowed(vehicle), fastest(vehicle)), 0.1))
-    return shares
+
+    speed: Floats
+    driven: Floats
+    lost: Floats
+
+
+def trips(t: Traffic, slots: Ints) -> Trips:
+    """Of the vehicles on the road in these slots."""
+    get = libsumo.vehicle
+    speed, driven, lost = get.getSpeed, get.getDistance, get.getTimeLoss
+    ids = [t.ids[slot] for slot in slots.tolist()]
+    return Trips(*(np.array(list(map(one, ids)), float) for one in (speed, driven, lost)))
 
 
 def ahead(t: Traffic, slots: Ints) -> Ints:
     """(n,) slots of the vehicles ahead of those in `slots`, as SUMO names them; -1 for none within 150 m."""
-    answers = (libsumo.vehicle.getLeader(t.ids[slot], _REACH) for slot in slots.tolist())
+    answers = (libsumo.vehicle.getLeader(t.ids[slot], REACH) for slot in slots.tolist())
     return np.array([t.slot.get(answer[0], -1) if answer else -1 for answer in answers], np.int64)
 
 
 def lanes(t: Traffic, slots: Ints) -> list[str]:
-    """Lanes of the vehicles in these slots; empty for who is in a junction."""
-    names = (libsumo.vehicle.getLaneID(t.ids[slot]) for slot in slots.tolist())
-    return ["" if name.startswith(":") else name for name in names]
+    """Lanes of the vehicles in these slots; those in junctions begin with a colon."""
+    return [libsumo.vehicle.getLaneID(t.ids[slot]) for slot in slots.tolist()]
 
 
 def next_lanes(lane: str) -> list[str]:

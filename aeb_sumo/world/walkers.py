@@ -39,7 +39,8 @@ class Walkers:
                     PREFIX + person, "pedestrian", get.getTypeID(person),
                     length=get.getLength(person), width=get.getWidth(person),
                 )  # fmt: skip
-                t.here[slot] = t.fresh[slot] = True
+                t.here[slot] = True
+                t.refresh(slot)
         rows = t.walkers = np.array([self._slots[p] for p in on_foot], np.int64)
         if not len(rows):
             return
@@ -54,6 +55,7 @@ class Walkers:
             array, old = getattr(t, name), getattr(t, "old_" + name)
             old[rows] = np.where(t.fresh[rows], value, array[rows])
             array[rows] = value
+        t.read_at[rows] = t.followed_at[rows] = t.step
         t.accel[rows] = 0.0  # SUMO's persons start and stop at once, and their speed is noisy
 
     def path(self, slot: int, reach: float, spacing: float) -> Floats:

@@ -86,21 +86,24 @@ class Wrecks:
     _until: dict[str, float] = field(default_factory=dict)
     _touched: dict[tuple[str, str], float] = field(default_factory=dict)  # vehicle and walker -> last time [s]
 
-    def step(self, time: float) -> list[Crash]:
-        """The crashes of the step that ended at `time` [s]."""
+    def step(self, time: float, *, apart: bool = False) -> list[Crash]:
+        """The crashes of the step that ended at `time` [s].
+
+        Args:
+            time: now [s].
+            apart: nobody who is followed is near enough to another for a contact, unless SUMO reports one.
+        """
         t = self.traffic
         self.wrecked, self.speed = fitted(self.wrecked, t.capacity), fitted(self.speed, t.capacity)
         for slot, vehicle in t.left:
             self.wrecked[slot] = False
             self._until.pop(vehicle, None)
             self._pile.pop(vehicle, None)
-        for collision in libsumo.simulation.getCollisions():
-            one = self._name(collision.collider, collision.colliderType)
-            other = self._name(collision.victim, collision.victimType)
-            if one and other:
-                self.reported.setdefault(pair_of(one, other), time)
-        new = []
-        pairs, instants = touching(t)
+        new: list[Crash] = []
+        if not self._hear(time) and apart:
+            self._slow_down()
+            return new
+        pairs, instants = touching(t, (t.followed & t.here & t.wheeled).nonzero()[0])
         for k in np.argsort(instants, kind="stable"):
             # Wrecks go on touching for as long as they stand.
             if pair_of(*(t.ids[slot] for slot in pairs[k])) in self.crashed:
@@ -108,8 +111,23 @@ class Wrecks:
             crash = self._judge(impact(t, pairs[k], float(instants[k]), time))
             if crash is not None:
                 new.append(crash)
-        self.speed = np.maximum(self.speed - _SLIDING * t.dt, 0.0)
+        self._slow_down()
         return new
+
+    def _slow_down(self) -> None:
+        if self._until:
+            self.speed = np.maximum(self.speed - _SLIDING * self.traffic.dt, 0.0)
+
+    def _hear(self, time: float) -> bool:
+        """Whether SUMO reports something: the net below the own search, for whom nobody follows yet."""
+        t, collisions = self.traffic, libsumo.simulation.getCollisions()
+        for collision in collisions:
+            one = self._name(collision.collider, collision.colliderType)
+            other = self._name(collision.victim, collision.victimType)
+            if one and other:
+                self.reported.setdefault(pair_of(one, other), time)
+                t.follow(np.array([t.slot[name] for name in (one, other) if name in t.slot]))
+        return len(collisions) > 0
 
     def _name(self, reported: str, vtype: str) -> str:
         """Name in `Traffic.ids` of whom SUMO reports, who may be a person; empty for nobody there."""

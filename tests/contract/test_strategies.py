@@ -63,6 +63,16 @@ def same(a, b):
     return all(np.array_equal(getattr(a, f.name), getattr(b, f.name), equal_nan=True) for f in fields(a))
 
 
+def test_nothing_farther_away_than_the_longest_ttc_makes_it_act(system):
+    """So that what is farther away need not be watched (`aeb_sumo.world.leads`)."""
+    rng = np.random.default_rng(7)
+    for mu in (0.2, 0.5, 0.85):
+        closing = rng.uniform(0.1, 40, 400)
+        gap = closing * system.longest_ttc(mu) * rng.uniform(1.001, 3, 400)
+        _, demand = system.step(system.init(400), percept(gap=gap, ego_speed=closing, mu=mu), DT)
+        assert (demand.phase == Phase.NONE).all()
+
+
 def test_there_are_strategies():
     assert {"none", "zhao2025"} <= set(NAMES)
 

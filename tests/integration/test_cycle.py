@@ -38,7 +38,7 @@ class Counter(Strategy):
 @pytest.mark.parametrize(("dt", "rate"), [(0.01, 25), (0.02, 25), (0.03, 25), (0.05, 20), (0.1, 10)])
 def test_rate(dt, rate):
     trace = Trace(EGO)
-    road = approach("following", ego=10.0, lead=10.0, gap=20.0, step_length=dt, duration=4.5)
+    road = approach("following", ego=11.0, lead=10.0, gap=6.5, step_length=dt, duration=4.5)
     run(road, Counter(), trace=trace)
     phase = trace.frame().set_index("time_s")["phase"].loc[1.0:3.999]
     assert np.count_nonzero(np.diff(phase)) / 3 == pytest.approx(rate, abs=0.7)

@@ -51,6 +51,7 @@ class Twins:
     def _state(self):
         w, t = self.world, self.world.traffic
         rows = t.present
+        t.read(rows)
         state = np.column_stack([t.x[rows], t.y[rows], t.heading[rows], t.speed[rows], w.fleet.decel[rows]])
         return [t.ids[s] for s in rows.tolist()], state.tobytes()
 

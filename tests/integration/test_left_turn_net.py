@@ -45,7 +45,7 @@ def drive():
     rows, foes, zones, collided = {}, {}, {}, set()
     options = ["-n", str(FOLDER / "left_turn.net.xml"), "-r", str(FOLDER / "left_turn.rou.xml")]
     with Session([*options, "--step-length", str(DT), *IMPOSED]) as session:
-        traffic, network = Traffic(session.dt), Network()
+        traffic, network = Traffic(session.dt, every=True), Network()
         paths = Paths(traffic, network)
         for v in SPEEDS:
             speeds = {"car": v / 3.6, "ebike": EBIKE}

@@ -7,12 +7,12 @@ from aeb_sumo.perception.suites import suite
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.buildings import walls
 from aeb_sumo.world.footpaths import Footpaths
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.session import IMPOSED, Session
 from aeb_sumo.world.sightlines import Sightlines
-from aeb_sumo.world.surroundings import Leads
 from aeb_sumo.world.walkers import Walkers
 from tests.helpers import approach
 
@@ -21,7 +21,7 @@ def targets(options, sensing, unnamed, steps=30):
     """The ego's target in each step, '' for none, where SUMO does not name its lead in the steps `unnamed`."""
     with Session([*options, *IMPOSED, "--step-length", "0.1"]) as session:
         t, network = Traffic(session.dt), Network()
-        leads, paths = Leads(t), Paths(t, network)
+        leads, paths = Leads(t, cycle=t.dt, horizon=5.0), Paths(t, network)
         footpaths, eyes = Footpaths(t, paths, Walkers(t, network)), suite(sensing)
         candidates = Candidates(t, leads, paths, footpaths, Sightlines(t, walls()), eyes, Gaze.PATH)
         lookout = Lookout(t, candidates, eyes, Gaze.PATH, sublane=False, seed=1)
@@ -32,8 +32,8 @@ def targets(options, sensing, unnamed, steps=30):
             leads.step()
             paths.step()
             ego = t.slot["ego"]
-            if step in unnamed:
-                leads.lead[ego], leads.gap[ego] = -1, np.inf
+            t.follow(t.present)
+            leads.possible[ego] = step not in unnamed
             who, found = lookout.step(np.array([ego]), braking=np.zeros(t.capacity, bool), time=session.time)
             seen.append(t.ids[found.slot[0]] if len(who) else "")
     return seen

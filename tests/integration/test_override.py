@@ -17,7 +17,7 @@ def stop(scenario, decel, mu=0.85, tyre=None):
     """Let the override brake one vehicle from its speed to a stop; returns (distance, what it was told)."""
     options = [*scenario.options, *IMPOSED, "--step-length", "0.1"]
     with Session(options) as session:
-        traffic = Traffic(session.dt)
+        traffic = Traffic(session.dt, every=True)
         override = Override(traffic, Friction(traffic, mu))
         started = None
         for _ in range(300):
@@ -57,7 +57,7 @@ def test_a_driver_who_brakes_harder_is_not_released(on_track):
         "v", 600, 15
     )
     with Session([*on_track(vehicles).options, *IMPOSED, "--step-length", "0.1"]) as session:
-        traffic = Traffic(session.dt)
+        traffic = Traffic(session.dt, every=True)
         override = Override(traffic, Friction(traffic, 0.85))
         short = []
         for _ in range(60):
@@ -82,7 +82,7 @@ def test_a_driver_who_brakes_harder_is_not_released(on_track):
 def test_the_vehicle_is_handed_back_as_it_was(on_track):
     one = vehicle("v", 600, 15)
     with Session([*on_track(one).options, *IMPOSED, "--step-length", "0.1"]) as session:
-        traffic = Traffic(session.dt)
+        traffic = Traffic(session.dt, every=True)
         override = Override(traffic, Friction(traffic, 0.85))
         for step in range(30):
             session.step()

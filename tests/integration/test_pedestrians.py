@@ -97,13 +97,14 @@ def test_who_was_inside_a_standing_car_is_not_run_down_by_it(streets, ahead, cra
     """SUMO's persons walk through the bodies of vehicles that stand in their way, and are inside when these move on."""
     scenario = streets(CAR.format(0).replace('"13"', '"0"') + WALK.format(60, "wc", 140))
     with Session([*scenario.options, *IMPOSED, "--step-length", "0.1"]) as session:
-        traffic, network = Traffic(0.1), Network()
+        traffic, network = Traffic(0.1, every=True), Network()
         walkers, wrecks = Walkers(traffic, network), Wrecks(traffic, network, False, 60.0)
         found = []
         for step in range(30):
             session.step()
             traffic.observe()
             walkers.observe()
+            traffic.follow(traffic.present)
             found += wrecks.step(session.time)
             libsumo.vehicle.setSpeed("0", 0.0 if step < 10 else 5.0)
             if step < 15 and libsumo.person.getIDCount():

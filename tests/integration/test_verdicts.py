@@ -92,10 +92,10 @@ def test_a_brake_that_gets_its_car_hit_from_behind_has_induced_a_crash(on_track)
 
 
 def test_forking_when_it_acts_gives_what_forking_at_its_beginning_gives(monkeypatch):
-    lazily = judged(scenarios.load("highway"), duration=60)
+    lazily = judged(scenarios.load("highway"), seed=6, duration=105)
     eager = lambda *args, **kind: Verdicts(*args, **kind, lazy=False)  # noqa: E731
     monkeypatch.setattr("aeb_sumo.simulate.Verdicts", eager)
-    at_once = judged(scenarios.load("highway"), duration=60)
+    at_once = judged(scenarios.load("highway"), seed=6, duration=105)
     assert set(lazily["acted_by"]) >= {"brake", "warning"}
     assert (lazily["acted_s"] > lazily["begin_s"]).any()
     lately = ["acted_by", "acted_s"]
@@ -103,9 +103,9 @@ def test_forking_when_it_acts_gives_what_forking_at_its_beginning_gives(monkeypa
 
 
 def test_forks_that_may_not_sleep_give_what_sleeping_ones_give(monkeypatch):
-    sleeping = judged(scenarios.load("highway"), duration=45)
+    sleeping = judged(scenarios.load("highway"), seed=6, duration=80)
     monkeypatch.setattr("aeb_sumo.verdicts.book.SLEEPERS", 0)
-    pd.testing.assert_frame_equal(judged(scenarios.load("highway"), duration=45), sleeping)
+    pd.testing.assert_frame_equal(judged(scenarios.load("highway"), seed=6, duration=80), sleeping)
     assert "warning" in set(sleeping["acted_by"])
 
 

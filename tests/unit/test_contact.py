@@ -21,7 +21,7 @@ def traffic(*vehicles):
     t.old_x, t.old_y = x - way * np.cos(heading), y - way * np.sin(heading)
     t.old_heading, t.old_speed = heading.copy(), old
     t.length, t.width, t.mass = length, width, mass
-    t.fresh, t.here = np.zeros(n, bool), np.ones(n, bool)
+    t.sudden, t.here = np.zeros(n, bool), np.ones(n, bool)
     t.present = np.arange(n)
     return t
 
@@ -45,7 +45,7 @@ def test_rear_end_contact_is_interpolated_inside_the_step():
     # The gap is 0.6 m before the step, and 1.5 m are closed in it: contact after 0.04 s.
     t = traffic((100.9, 0, 0, 15, 15, 5, 2, 1500), (105, 0, 0, 0, 0, 5, 2, 1500))
     t.x[0], t.old_x[0] = 100.9, 99.4
-    pairs, when = touching(t)
+    pairs, when = touching(t, t.present)
     assert pairs.tolist() == [[0, 1]]
     assert when[0] * DT == pytest.approx(0.04, abs=1e-4)
     hit = impact(t, pairs[0], float(when[0]), 10.0)
@@ -59,7 +59,7 @@ def test_rear_end_contact_is_interpolated_inside_the_step():
 
 def test_speed_at_contact_is_interpolated():
     t = traffic((100.5, 0, 0, 10, 9, 5, 2, 1500), (105, 0, 0, 0, 0, 5, 2, 1500))
-    pairs, when = touching(t)
+    pairs, when = touching(t, t.present)
     hit = impact(t, pairs[0], float(when[0]), 1.0)
     assert hit.impact_speed == pytest.approx(10 - when[0])
 
@@ -73,15 +73,15 @@ def test_passing_through_within_a_step_is_seen():
         ("width", [1.8, 0.7]), ("mass", [1500, 120]),
     ):  # fmt: skip
         setattr(t, name, np.array(value, float))
-    t.fresh, t.present = np.zeros(2, bool), np.arange(2)
-    pairs, when = touching(t)
+    t.sudden, t.present = np.zeros(2, bool), np.arange(2)
+    pairs, when = touching(t, t.present)
     assert len(pairs) == 1
     assert 0.3 < when[0] < 0.6
 
 
 def test_the_car_is_the_striker_of_a_crossing_bike_it_hits_with_its_front():
     t = traffic((50.2, 0, 0, 10, 10, 4.6, 1.8, 1500), (50.4, 0.9, np.pi / 2, 5, 5, 1.8, 0.7, 120))
-    pairs, when = touching(t)
+    pairs, when = touching(t, t.present)
     hit = impact(t, pairs[0], float(when[0]), 1.0)
     assert hit.striker == 0
     assert hit.impact_speed == pytest.approx(np.hypot(10, 5))
@@ -93,11 +93,12 @@ def test_the_car_is_the_striker_of_a_crossing_bike_it_hits_with_its_front():
 def test_a_jump_is_no_motion():
     t = traffic((100, 0, 0, 10, 10, 5, 2, 1500), (95, 3.2, 0, 10, 10, 4, 2, 1500))
     t.old_y[1] = -3.2  # put across the first one's lane at once, as SUMO changes lanes
-    assert len(touching(t)[0]) == 0
+    assert len(touching(t, t.present)[0]) == 0
 
 
 def test_standing_side_by_side_is_no_contact():
-    assert len(touching(traffic((100, 0, 0, 0, 0, 5, 2, 1500), (100, 2.01, 0, 0, 0, 5, 2, 1500)))[0]) == 0
+    t = traffic((100, 0, 0, 0, 0, 5, 2, 1500), (100, 2.01, 0, 0, 0, 5, 2, 1500))
+    assert len(touching(t, t.present)[0]) == 0
 
 
 def test_distance_of_bodies():

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from aeb_sumo.ledger.encounters import crossing, following
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings
-from aeb_sumo.world.surroundings import Leads
 
 
 def world(*vehicles):
@@ -21,8 +21,8 @@ def world(*vehicles):
 
 def followers(t, gap, wrecked=(False, False)):
     """The pairs when SUMO names vehicle 1 as the lead of vehicle 0."""
-    leads = Leads(t)
-    leads.lead, leads.gap = np.array([1, -1]), np.array([gap, np.inf])
+    leads = Leads(t, cycle=t.dt, horizon=5.0)
+    leads.lead, leads.gap, leads.egos = np.array([1, -1]), np.array([gap, np.inf]), np.array([0])
     return following(t, leads, np.array(wrecked))
 
 

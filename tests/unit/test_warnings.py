@@ -5,8 +5,8 @@ import pytest
 from aeb_sumo.drivers.encounters import Warned
 from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.motorists import Motorists
+from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
-from aeb_sumo.world.surroundings import Leads
 
 DT = 0.1
 HEARD = 10.0 + DT  # of a warning in the step that begins at 10 s
@@ -18,7 +18,7 @@ def motorists():
     traffic = Traffic(DT)
     traffic.slot["ego"] = traffic.admit("ego", "passenger", "car", length=4.6, width=1.8)
     warned = Warned(responds=1.0, delay_mean=2.0, delay_sd=0.0)
-    result = Motorists(traffic, Leads(traffic), Profile(name="test", warned=warned), 1)
+    result = Motorists(traffic, Leads(traffic, cycle=DT, horizon=5.0), Profile(name="test", warned=warned), 1)
     result.hear(HEARD, [("ego", "lead")])
     return result
 
