@@ -83,6 +83,10 @@ class Candidates:
                 pairs = joined(pairs, self._crossing(*self._on_foot(egos)))
         return pairs
 
+    def known(self, pairs: Pairs) -> Bools:
+        """(k,) whether sensors have followed the other for a while: a lead that the search before had found, too."""
+        return ~pairs.crossing & pairs.candidate & self._leads.known[pairs.ego]
+
     def again(self, ego: Ints, other: Ints, crossing: Bools) -> Pairs:
         """Pairs that are not candidates any more, as the sensors see them now."""
         ahead, aside = (~crossing).nonzero()[0], crossing.nonzero()[0]
