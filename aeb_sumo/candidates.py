@@ -17,6 +17,8 @@ from aeb_sumo.world.sightlines import Sightlines
 
 __all__ = ["Candidates", "Pairs"]
 
+_CLOSE = 2.0  # m, nearer than this to where the paths cross a conflict is always possible, our assumption
+
 
 @dataclass(frozen=True)
 class Pairs:
@@ -81,6 +83,10 @@ class Candidates:
                 pairs = joined(pairs, self._crossing(*self._on_foot(egos)))
         return pairs
 
+    def known(self, pairs: Pairs) -> Bools:
+        """(k,) whether sensors have followed the other for a while: a lead that the search before had found, too."""
+        return ~pairs.crossing & pairs.candidate & self._leads.known[pairs.ego]
+
     def again(self, ego: Ints, other: Ints, crossing: Bools) -> Pairs:
         """Pairs that are not candidates any more, as the sensors see them now."""
         ahead, aside = (~crossing).nonzero()[0], crossing.nonzero()[0]
@@ -141,6 +147,8 @@ class Candidates:
         egos = np.zeros(self._traffic.capacity, np.bool_)
         egos[moving] = True
         to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)
+        if self._gaze is Gaze.PATH:  # it waits for others where the paths cross: farther away than that it never acts
+            to_come &= crossings.zone[:, 0] <= self._traffic.speed[crossings.ego] * self._leads.horizon + _CLOSE
         ego, other, zone = crossings.ego[to_come], crossings.other[to_come], crossings.zone[to_come]
         if self._gaze is Gaze.PATH:
             return ego, other, zone

@@ -10,7 +10,7 @@ from aeb_sumo.perception.crossing import Approach, conflicting
 from aeb_sumo.perception.noise import Keys
 from aeb_sumo.perception.sensor import overlap
 from aeb_sumo.perception.suites import Suite
-from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_step
+from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_settled, track_step
 from aeb_sumo.soa import Bools, Floats, Ints, find, first_of_each, joined, mask, put, take
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.observe import Traffic
@@ -97,8 +97,12 @@ class Lookout:
             time: now [s].
         """
         pairs = self._candidates.of(rows[self._traffic.speed[rows] > 0])
-        pairs, tracks, conflict = self._followed(pairs, rows)
+        pairs, tracks, conflict, new = self._followed(pairs, rows)
         truth = self._measurable(pairs)
+        if new.any():
+            # They are new to the tracker here, which leaves out who is no danger; not to that of the car.
+            old = new & self._candidates.known(pairs)
+            put(tracks, old, track_settled(self._suite, tracks.key[old], take(truth, old), self._traffic.dt))
         tracks = track_step(self._suite, tracks, truth, time=time, dt=self._traffic.dt)
         known = tracks.motion(self._suite, truth, self._traffic.dt)
         if self._gaze is Gaze.RELATIVE_MOTION:
@@ -124,8 +128,8 @@ class Lookout:
         serials = t.serial[pairs.ego].astype(np.int64) * 2**32 + t.serial[pairs.other].astype(np.int64)
         return np.where(pairs.crossing, -serials, serials)  # a lead may be crossing traffic as well
 
-    def _followed(self, pairs: Pairs, rows: Ints) -> tuple[Pairs, Tracks, Floats]:
-        """Pairs with their tracks and conflicts from the last step, where they were there then.
+    def _followed(self, pairs: Pairs, rows: Ints) -> tuple[Pairs, Tracks, Floats, Bools]:
+        """Pairs with their tracks and conflicts from the last step, where they were there then, and who was not.
 
         Added to them are those that were candidates a moment ago: a track does not end when SUMO pauses to name a lead.
         They are watched for as long as a track survives without a detection, and count at once if they return.
@@ -148,7 +152,7 @@ class Lookout:
             put(tracks, known, take(self._tracks, at[known]))
             conflict[known], absent[known] = self._conflict[at[known]], self._absent[at[known]]
         self._serials, self._absent = serials, absent
-        return pairs, tracks, conflict
+        return pairs, tracks, conflict, ~known
 
     def _still_there(self, k: Ints, rows: Ints) -> Ints:
         """Which of the rows `k` of the last step are about the same vehicles, both on the road and the ego equipped."""

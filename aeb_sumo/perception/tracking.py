@@ -10,13 +10,15 @@ from aeb_sumo.perception.sensor import detection
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints
 
-__all__ = ["Measurable", "Tracks", "track_init", "track_step"]
+__all__ = ["Measurable", "Tracks", "track_init", "track_settled", "track_step"]
 
 _UNSEEN = -np.inf
 _ACROSS = 2.0  # m/s2 within a second, lateral manoeuvres that the tracker expects, our assumption
 # Standard deviations of a track at its first detection [m, m/s, m/s2], our assumption.
 _FIRST_ALONG = np.array([5.0, 10.0, 3.0])
 _FIRST_ACROSS = np.array([2.0, 10.0])
+# Of the acceleration of a target that has been followed for long [m/s2], our assumption.
+_SETTLED_ACCEL = 0.5
 # What a measurement shows of the state.
 _DISTANCE = np.array([1.0, 0.0, 0.0])
 _RATE = np.array([0.0, 1.0, 0.0])
@@ -131,6 +133,53 @@ def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks:
         across=np.zeros((n, 2)),
         across_cov=np.zeros((n, 2, 2)),
         past=np.full((n, int(suite.latency / dt + 0.5 + 1e-9), len(fields(Measurable))), np.nan),
+    )
+
+
+def track_settled(suite: Suite, keys: Keys, truth: Measurable, dt: float) -> Tracks:
+    """Tracks of targets that have been followed for long: confirmed, with the noise of one measurement.
+
+    What none of the sensors would detect in every second frame where it is now has no track yet.
+    """
+    tracks = track_init(suite, keys, dt)
+    seen = np.where(truth.in_view, suite.persist, _UNSEEN)
+    if not suite.sensors:
+        return replace(tracks, seen=seen)
+    clear = np.zeros(len(keys), np.bool_)
+    for sensor in suite.sensors:
+        sees = truth.in_view & (truth.bearing <= np.radians(sensor.field_of_view / 2))
+        clear |= sees & (detection(sensor, distance=truth.distance, share=truth.overlap) >= 0.5)
+    best = [min(getattr(s, name) for s in suite.sensors) for name in ("range_noise", "rate_noise", "lateral_noise")]
+    spread = np.array([best[0], best[1], _SETTLED_ACCEL])
+    first = np.zeros(len(keys), np.int64)
+    noise = [normals(keys, first, channel) for channel in (5, 6, 7)]  # which frames do not use
+    past, ages = tracks.past, np.arange(tracks.past.shape[1], 0, -1) * dt
+    for k, age in enumerate(ages):
+        then = _earlier(truth, float(age))
+        past[:, k] = np.column_stack([getattr(then, f.name).astype(float) for f in fields(then)])
+    then = _earlier(truth, float(ages[0])) if len(ages) else truth
+    along = np.column_stack([then.distance, -then.closing, then.own_accel - then.closing_accel])
+    return replace(
+        tracks,
+        seen=seen,
+        history=np.where(clear, np.uint64(2 ** suite.confirm[1] - 1), np.uint64(0)),
+        confirmed=clear,
+        along=along + np.column_stack(noise) * spread,
+        along_cov=np.tile(np.diag(spread**2), (len(keys), 1, 1)),
+        across=np.column_stack([then.left, -then.closing_left]),
+        across_cov=np.tile(np.diag([best[2] ** 2, best[2] ** 2]), (len(keys), 1, 1)),
+        past=past,
+    )
+
+
+def _earlier(truth: Measurable, age: float) -> Measurable:
+    """What could have been measured `age` [s] ago, if the relative acceleration was the same."""
+    closing = truth.closing - truth.closing_accel * age
+    return replace(
+        truth,
+        distance=truth.distance + truth.closing * age - truth.closing_accel * age**2 / 2,
+        closing=closing,
+        left=truth.left + truth.closing_left * age,
     )
 
 

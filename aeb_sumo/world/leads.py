@@ -34,6 +34,7 @@ class Leads:
             nan for none.
         egos: slots of those with whom a conflict is possible, rising; for them lead and gap are of this step.
         possible: per slot, whether it is one of them.
+        known: per slot, the search before had found the same lead.
     """
 
     def __init__(self, traffic: Traffic, *, cycle: float, horizon: float) -> None:
@@ -48,6 +49,7 @@ class Leads:
         self.egos: Ints = np.zeros(0, np.int64)
         self.possible: Bools = np.zeros(0, np.bool_)
         self._watching: Bools = np.zeros(0, np.bool_)
+        self.known: Bools = np.zeros(0, np.bool_)
         self.rate: Floats = np.zeros(0)
         # What the last search found, and in which step: the lead and its gap.
         self._found_at: Ints = np.zeros(0, np.int64)
@@ -113,13 +115,13 @@ class Leads:
 
     def _fit(self) -> None:
         old, size = len(self.lead), self._traffic.capacity
-        for name in ("lead", "gap", "_found", "_found_at", "_found_gap", "rate", "_watching"):
+        for name in ("lead", "gap", "_found", "_found_at", "_found_gap", "rate", "known", "_watching"):
             setattr(self, name, fitted(getattr(self, name), size))
         self._forget(np.arange(old, size))
 
     def _forget(self, rows: Ints) -> None:
         self.lead[rows] = self._found[rows] = -1
-        self.gap[rows], self.rate[rows], self._watching[rows] = np.inf, np.nan, False
+        self.gap[rows], self.rate[rows], self._watching[rows], self.known[rows] = np.inf, np.nan, False, False
 
     def _look_again(self, rows: Ints, phase: int) -> None:
         """Read the known leads of those who do not search in this step."""
@@ -152,7 +154,7 @@ class Leads:
         growing = rate * sooner + np.maximum(growth, 0.0) * (sooner**2 / 2)
         near = gap < _CLOSE + np.maximum(rate * self.horizon, growing)
         self._watching[rows] = near & ((rate != 0) | (growth != 0))
-        self._found_at[rows] = t.step
+        self._found_at[rows], self.known[rows] = t.step, same
         self.lead[rows] = self._found[rows] = lead
         self.gap[rows] = self._found_gap[rows] = gap
         self.rate[rows] = rate

@@ -173,7 +173,14 @@ class Paths:
         if t.departed or t.fresh.any():
             self._due[t.fresh] = 0
         reach = t.fastest * t.dt
+        stood = self._stood()
         for slot in (t.here & t.wheeled & (self._due <= t.step)).nonzero()[0].tolist():
+            if slot in stood:
+                at, user = stood[slot]
+                slots.append(slot)
+                positions.append(at)
+                users.append(user)
+                continue
             vehicle = t.ids[slot]
             lane, path, position = self._follow(vehicle)
             far = 0.0
@@ -196,6 +203,18 @@ class Paths:
             if far > 0:
                 self._due[slot] = t.step + int(far / reach[slot])
         return Turns(np.array(slots, np.int64), np.array(positions), np.array(users, np.int64))
+
+    def _stood(self) -> dict[int, tuple[float, int]]:
+        """Who was near a junction and has not moved since: slot -> where on its path [m], and its user."""
+        t, last = self._traffic, self.turns
+        if not len(last.slot):
+            return {}
+        there = t.here[last.slot] & ~t.fresh[last.slot]
+        slots = last.slot[there]
+        t.follow(slots)
+        still = (t.speed[slots] == 0) & (t.old_speed[slots] == 0)
+        at, user = last.at[there][still].tolist(), last.user[there][still].tolist()
+        return dict(zip(slots[still].tolist(), zip(at, user, strict=True), strict=True))
 
     def _follow(self, vehicle: str) -> tuple[str, Path | None, float]:
         """The lane that a vehicle is on now, its path, and how far it is along the lane [m]."""
