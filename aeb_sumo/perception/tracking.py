@@ -137,9 +137,10 @@ def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks:
 
 
 def track_settled(suite: Suite, keys: Keys, truth: Measurable, dt: float) -> Tracks:
-    """Tracks of targets that have been followed for long: confirmed, with the noise of one measurement.
+    """Tracks of targets that have been followed for long, as before the present step: confirmed, and well known.
 
-    What none of the sensors would detect in every second frame where it is now has no track yet.
+    They are known as well as one measurement of the best sensor shows. What none of the sensors would
+    detect in every second frame where it is now has no track yet.
     """
     tracks = track_init(suite, keys, dt)
     seen = np.where(truth.in_view, suite.persist, _UNSEEN)
@@ -157,7 +158,7 @@ def track_settled(suite: Suite, keys: Keys, truth: Measurable, dt: float) -> Tra
     for k, age in enumerate(ages):
         then = _earlier(truth, float(age))
         past[:, k] = np.column_stack([getattr(then, f.name).astype(float) for f in fields(then)])
-    then = _earlier(truth, float(ages[0])) if len(ages) else truth
+    then = _earlier(truth, (len(ages) + 1) * dt)  # the step to come brings it to the age of the latency
     along = np.column_stack([then.distance, -then.closing, then.own_accel - then.closing_accel])
     return replace(
         tracks,

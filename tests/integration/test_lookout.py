@@ -34,6 +34,7 @@ def targets(options, sensing, unnamed, steps=30):
             ego = t.slot["ego"]
             t.follow(t.present)
             leads.possible[ego] = step not in unnamed
+            leads.known[ego] = not {step, step - 1} & unnamed
             who, found = lookout.step(np.array([ego]), braking=np.zeros(t.capacity, bool), time=session.time)
             seen.append(t.ids[found.slot[0]] if len(who) else "")
     return seen

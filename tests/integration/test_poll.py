@@ -136,3 +136,19 @@ def test_an_approach_is_watched_from_the_horizon_on(on_track):
     assert not any(far)
     assert near
     assert all(near)
+
+
+@pytest.mark.parametrize("sensing", ["ideal", "fusion"])
+def test_a_known_lead_is_a_target_as_soon_as_a_conflict_is_possible(on_track, sensing):
+    first = []
+
+    class Watch(Reads):
+        def step(self, time):  # noqa: ARG002
+            t = self.world.traffic
+            slot = t.slot.get("ego")
+            if slot is not None and self.world.leads.possible[slot] and not first:
+                first.append(int(self.world.fleet.targets(np.array([slot])).slot[0]))
+                assert first[0] == t.slot["lead"]
+
+    run(on_track(approach(72, 0, 110)), "zhao2025", sensing=sensing, duration=4, trace=Watch())
+    assert first

@@ -11,7 +11,7 @@ from aeb_sumo.kalman import Gaussian, predict, update
 from aeb_sumo.perception.noise import normals, uniforms
 from aeb_sumo.perception.sensor import detection, overlap
 from aeb_sumo.perception.suites import RADAR, SUITES, suite
-from aeb_sumo.perception.tracking import Measurable, track_init, track_step
+from aeb_sumo.perception.tracking import Measurable, track_init, track_settled, track_step
 
 DT = 0.01
 
@@ -202,3 +202,26 @@ def test_suites_by_name():
     assert set(SUITES) == {"ideal", "radar", "camera", "fusion", "perfect"}
     with pytest.raises(InputError, match="unknown sensing 'lidar'; there are: ideal, radar, camera, fusion"):
         suite("lidar")
+
+
+@pytest.mark.parametrize("name", ["ideal", "radar", "fusion"])
+def test_a_settled_track_counts_at_once_and_knows_what_measurements_show(name):
+    eyes, n, dt = suite(name), 400, 0.1
+    keys = np.arange(1, n + 1, dtype=np.uint64)
+    now = truth(np.full(n, 40.0), 10.0)
+    tracks = track_step(eyes, track_settled(eyes, keys, now, dt), now, time=20.0, dt=dt)
+    assert tracks.confirmed.all()
+    known = tracks.motion(eyes, now, dt)
+    assert np.abs(known.distance - 40.0).mean() < 0.15
+    assert np.abs(known.closing - 10.0).mean() < 0.15
+
+
+def test_what_no_sensor_would_detect_has_no_settled_track():
+    keys = np.array([1, 2], np.uint64)
+    radar = suite("radar")
+    far, unseen = truth(np.full(2, 200.0), 10.0), truth(np.full(2, 40.0), 10.0, in_view=False)
+    for hidden in (far, unseen):
+        assert not track_settled(radar, keys, hidden, 0.1).confirmed.any()
+    assert not track_step(
+        suite("ideal"), track_settled(suite("ideal"), keys, unseen, 0.1), unseen, time=1.0, dt=0.1
+    ).confirmed.any()
