@@ -84,6 +84,40 @@ def test_the_planned_speed_shows_a_driver_who_brakes_harder_than_the_command(tra
     assert harder > 5
 
 
+@pytest.mark.parametrize("accel", [0.4, -0.7])
+def test_an_acceleration_that_is_set_is_held_exactly(track, accel):
+    """The platform leaves it to SUMO for up to 10 s; the audit of commands checks only what comes out."""
+    track(ONE)
+    libsumo.vehicle.setSpeedMode("v", 32)
+    begin = libsumo.vehicle.getSpeed("v")
+    libsumo.vehicle.setAcceleration("v", accel, 10.0)
+    for step in range(1, 101):
+        libsumo.simulationStep()
+        assert libsumo.vehicle.getSpeed("v") == pytest.approx(begin + accel * 0.1 * step, abs=1e-9)
+
+
+def test_the_acceleration_it_tells_is_the_difference_of_the_last_two_speeds(track):
+    track(ONE + vehicle("ahead", 560, 5))
+    before, different = libsumo.vehicle.getSpeed("v"), set()
+    for _ in range(100):
+        libsumo.simulationStep()
+        now = libsumo.vehicle.getSpeed("v")
+        assert libsumo.vehicle.getAcceleration("v") == (now - before) / 0.1
+        different.add(now - before)
+        before = now
+    assert len(different) > 10
+
+
+def test_who_is_removed_is_in_no_list_of_arrivals(track):
+    """So the number of vehicles has to be watched."""
+    track(ONE + vehicle("w", 700, 20))
+    libsumo.vehicle.remove("w")
+    for _ in range(3):
+        libsumo.simulationStep()
+        assert libsumo.simulation.getArrivedNumber() == 0
+        assert libsumo.vehicle.getIDList() == ("v",)
+
+
 def test_get_leader_leaves_out_min_gap(track):
     vehicles = vehicle("l", 604.6, 20) + ONE
     track(vehicles)
