@@ -148,7 +148,8 @@ class Candidates:
         egos[moving] = True
         to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)
         if self._gaze is Gaze.PATH:  # it waits for others where the paths cross: farther away than that it never acts
-            to_come &= crossings.zone[:, 0] <= self._traffic.speed[crossings.ego] * self._leads.horizon + _CLOSE
+            ego = crossings.ego
+            to_come &= crossings.zone[:, 0] <= self._traffic.speed[ego] * self._leads.horizon[ego] + _CLOSE
         ego, other, zone = crossings.ego[to_come], crossings.other[to_come], crossings.zone[to_come]
         if self._gaze is Gaze.PATH:
             return ego, other, zone

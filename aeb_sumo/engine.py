@@ -62,9 +62,6 @@ class Engine:
         slippery = min((scenario.mu, *(stretch.mu for stretch in scenario.stretches)))
         self._horizons = {s.name: s.strategy.longest_ttc(slippery) + _BEFORE for s in systems}
         self.leads = Leads(self.traffic, cycle=min(s.suite.search for s in systems), horizon=_HORIZON)
-        for share in carried.shares:
-            if share.share > 0:
-                self._look_out_for(share.system.name)
         self.paths = Paths(self.traffic, network)
         self._walkers = Walkers(self.traffic, network)
         self._sightlines = Sightlines(self.traffic, walls())
@@ -101,7 +98,7 @@ class Engine:
             self.motorists.leave(slot, vehicle)
         for slot in t.departed:
             system = self._carried.of(t.ids[slot], vtype=t.vtype[slot], vclass=t.vclass[slot], seed=self.session.seed)
-            fleet.depart(slot, system.name if system else "", self.time)
+            self.equip(slot, system.name if system else "")
             self.motorists.depart(slot, t.ids[slot], self.time)
         self.leads.step()
         self.paths.step()
@@ -161,13 +158,9 @@ class Engine:
         """The error that a road user makes now, by name; towards another, if named."""
         return self._violations.error(slot, other) or self.motorists.error(slot)
 
-    def _look_out_for(self, system: str) -> None:
-        """Watch whom a system, by name, may have to react to."""
-        self.leads.horizon = max(self.leads.horizon, self._horizons[system])
-
     def equip(self, slot: int, system: str) -> None:
-        """Give the vehicle in a slot another AEB system, by name; the run must know it, if only with a share of 0."""
-        self._look_out_for(system)
+        """Give the vehicle in a slot an AEB system, by name; the run must know it, if only with a share of 0."""
+        self.leads.watch(slot, max(_HORIZON, self._horizons.get(system, 0.0)))
         self.fleet.leave(slot)
         self.fleet.depart(slot, system, self.time)
 

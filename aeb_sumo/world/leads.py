@@ -26,7 +26,7 @@ class Leads:
     names another in between, there is nobody until that search.
 
     Attributes:
-        horizon: see above [s].
+        horizon: per slot, see above [s].
         lead, gap: per slot, slot of the vehicle ahead at the last search, -1 for none within 150 m, and its distance,
             bumper to bumper [m], `inf` for none. SUMO leaves the ego's minGap out of its answer; here it is back in. In
             and before junctions SUMO's gaps are not to be trusted (see `perception.lead.sees_lead`).
@@ -38,9 +38,10 @@ class Leads:
     """
 
     def __init__(self, traffic: Traffic, *, cycle: float, horizon: float) -> None:
-        """`cycle`: of the search [s], rounded to steps, at least one; `horizon` [s]: see above."""
+        """`cycle`: of the search [s], rounded to steps, at least one; `horizon` [s]: unless `watch` says otherwise."""
         self._traffic = traffic
-        self.horizon = horizon
+        self._least = horizon
+        self.horizon: Floats = np.zeros(0)
         self._every = max(1, round(cycle / traffic.dt))  # steps
         self._turn: list[dict[int, str]] = [{} for _ in range(self._every)]  # slot -> id, by phase
         self._rows: list[Ints | None] = [None] * self._every  # their slots
@@ -89,6 +90,12 @@ class Leads:
             self._now[slot] = (lead, answer[1] + float(t.min_gap[slot])) if lead >= 0 else (-1, np.inf)
         return self._now[slot]
 
+    def watch(self, slot: int, horizon: float) -> None:
+        """The vehicle in a slot, which has just come or got another system, has this horizon [s]."""
+        if len(self.lead) < self._traffic.capacity:
+            self._fit()
+        self.horizon[slot] = horizon
+
     def behind(self, slots: Ints) -> Ints:
         """Slots of those whose last search has found one of these ahead."""
         t = self._traffic
@@ -115,9 +122,10 @@ class Leads:
 
     def _fit(self) -> None:
         old, size = len(self.lead), self._traffic.capacity
-        for name in ("lead", "gap", "_found", "_found_at", "_found_gap", "rate", "known", "_watching"):
+        for name in ("lead", "gap", "_found", "_found_at", "_found_gap", "rate", "known", "_watching", "horizon"):
             setattr(self, name, fitted(getattr(self, name), size))
         self._forget(np.arange(old, size))
+        self.horizon[old:] = self._least
 
     def _forget(self, rows: Ints) -> None:
         self.lead[rows] = self._found[rows] = -1
@@ -150,9 +158,10 @@ class Leads:
         for k in (found & ~same).nonzero()[0].tolist():
             rate[k] = speed(ids[k]) - speed(names[k])
         growth = np.where(same, (rate - self.rate[rows]) / span, 0.0)
-        sooner = self.horizon - _SOONER
+        horizon = self.horizon[rows]
+        sooner = horizon - _SOONER
         growing = rate * sooner + np.maximum(growth, 0.0) * (sooner**2 / 2)
-        near = gap < _CLOSE + np.maximum(rate * self.horizon, growing)
+        near = gap < _CLOSE + np.maximum(rate * horizon, growing)
         self._watching[rows] = near & ((rate != 0) | (growth != 0))
         self._found_at[rows], self.known[rows] = t.step, same
         self.lead[rows] = self._found[rows] = lead
