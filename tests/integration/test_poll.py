@@ -41,7 +41,7 @@ def test_the_same_as_reading_everyone_in_bologna(bologna):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [2, 3])
 @pytest.mark.parametrize(("scenario", "duration"), [("highway", 600), ("w0", 600)])
 def test_the_same_in_long_runs(scenario, duration, seed):
     result = same_whoever_is_read(scenarios.load(scenario), "zhao2025", duration=duration, seed=seed)

@@ -239,7 +239,7 @@ def test_an_intervention_after_a_pause_is_another_one_and_not_withheld(on_track)
 def test_an_absurd_threshold_is_mostly_unneeded_and_a_very_short_one_never():
     """In a tenth of the cars: where all have the absurd one, its braking is a danger to those behind."""
     absurd, short = (
-        judged(scenarios.load("highway"), threshold(ttc), sensing="ideal", penetration=0.1, duration=200, seed=2)
+        judged(scenarios.load("highway"), threshold(ttc), sensing="ideal", penetration=0.1, duration=330, seed=2)
         for ttc in (6.0, 0.3)
     )
     counts = absurd["verdict"].value_counts()
