@@ -10,14 +10,12 @@ from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints, joined
 from aeb_sumo.strategies.base import Gaze
 from aeb_sumo.world.footpaths import Footpaths
-from aeb_sumo.world.leads import Leads
+from aeb_sumo.world.leads import CLOSE, Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.sightlines import Sightlines
 
 __all__ = ["Candidates", "Pairs"]
-
-_CLOSE = 2.0  # m, nearer than this to where the paths cross a conflict is always possible, our assumption
 
 
 @dataclass(frozen=True)
@@ -149,7 +147,7 @@ class Candidates:
         to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)
         if self._gaze is Gaze.PATH:  # it waits for others where the paths cross: farther away than that it never acts
             ego = crossings.ego
-            to_come &= crossings.zone[:, 0] <= self._traffic.speed[ego] * self._leads.horizon[ego] + _CLOSE
+            to_come &= crossings.zone[:, 0] <= self._traffic.speed[ego] * self._leads.horizon[ego] + CLOSE
         ego, other, zone = crossings.ego[to_come], crossings.other[to_come], crossings.zone[to_come]
         if self._gaze is Gaze.PATH:
             return ego, other, zone

@@ -2,17 +2,28 @@
 
 import resource
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
 from aeb_sumo.cli import main
 from aeb_sumo.strategies.base import Percept
+
+SMALL_CAMPAIGN = """[factors]
+scenario = "track"
+strategy = ["none", "staged"]
+seed = {seeds}
+[run]
+duration_s = 8
+"""
+"""To be given seeds."""
 
 
 def vehicle(name: str, position: float, speed: float, kind: str = "car", inside: str = "") -> str:
@@ -66,3 +77,13 @@ def full_disk(size: int) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def wait_for(what: Callable[[], Any], seconds: float = 60.0) -> Any:
+    """What `what` gives as soon as that is true."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if found := what():
+            return found
+        time.sleep(0.01)
+    raise AssertionError("it did not happen")

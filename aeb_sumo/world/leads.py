@@ -6,13 +6,14 @@ import numpy as np
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, mask
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["REACH", "Leads"]
+__all__ = ["CLOSE", "REACH", "Leads"]
 
 REACH = 150.0
 """How far ahead a lead is looked for [m]: as far as any sensor sees."""
+CLOSE = 2.0
+"""Nearer than this a conflict is always possible, unless both stand [m], our assumption."""
 
 _SOONER = 1.0  # s, how much sooner than at the rate of now two have to touch if that goes on growing, our assumption
-_CLOSE = 2.0  # m, nearer than this a conflict is always possible unless both stand, our assumption
 _NOBODY = ("", np.inf)
 
 
@@ -161,7 +162,7 @@ class Leads:
         horizon = self.horizon[rows]
         sooner = horizon - _SOONER
         growing = rate * sooner + np.maximum(growth, 0.0) * (sooner**2 / 2)
-        near = gap < _CLOSE + np.maximum(rate * horizon, growing)
+        near = gap < CLOSE + np.maximum(rate * horizon, growing)
         self._watching[rows] = near & ((rate != 0) | (growth != 0))
         self._found_at[rows], self.known[rows] = t.step, same
         self.lead[rows] = self._found[rows] = lead

@@ -26,15 +26,7 @@ from aeb_sumo.campaign.spec import read
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES, commit_failure, finished
 from aeb_sumo.results.command import arguments
-from tests.helpers import command
-
-SPEC = """[factors]
-scenario = "track"
-strategy = ["none", "staged"]
-seed = {seeds}
-[run]
-duration_s = 8
-"""
+from tests.helpers import SMALL_CAMPAIGN, command, wait_for
 
 
 def tables(folder: Path) -> dict[str, str]:
@@ -68,19 +60,10 @@ def workers(pid: int) -> list[int]:
     return found
 
 
-def wait_for(what, seconds: float = 60.0):
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        if found := what():
-            return found
-        time.sleep(0.01)
-    raise AssertionError("it did not happen")
-
-
 @pytest.fixture
 def spec(tmp_path: Path) -> Path:
     path = tmp_path / "spec.toml"
-    path.write_text(SPEC.format(seeds=[1, 2, 3]))
+    path.write_text(SMALL_CAMPAIGN.format(seeds=[1, 2, 3]))
     return path
 
 
@@ -88,7 +71,7 @@ def spec(tmp_path: Path) -> Path:
 def reference(tmp_path_factory) -> Path:
     """The tables of a campaign that nothing has disturbed."""
     folder = tmp_path_factory.mktemp("reference")
-    (folder / "spec.toml").write_text(SPEC.format(seeds=[1, 2, 3]))
+    (folder / "spec.toml").write_text(SMALL_CAMPAIGN.format(seeds=[1, 2, 3]))
     done = command("campaign", folder / "spec.toml", "--out", folder / "out", "--workers", 2)
     assert done.returncode == 0, done.stderr
     assert "6 runs: 6 completed, 0 failed" in done.stdout
@@ -136,7 +119,7 @@ def test_a_dry_run_makes_nothing(tmp_path, spec):
 def test_seeds_can_be_added(reference, tmp_path, spec):
     out = tmp_path / "out"
     for seeds in ([1], [3, 1], "1..3"):
-        spec.write_text(SPEC.format(seeds=repr(seeds)))
+        spec.write_text(SMALL_CAMPAIGN.format(seeds=repr(seeds)))
         done = command("campaign", spec, "--out", out, "--quiet")
         assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
     assert tables(out) == tables(reference)
@@ -145,9 +128,9 @@ def test_seeds_can_be_added(reference, tmp_path, spec):
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        (lambda spec, _: spec.write_text(SPEC.format(seeds=[1, 2])), "the nearest differs in seed (3 there"),
+        (lambda spec, _: spec.write_text(SMALL_CAMPAIGN.format(seeds=[1, 2])), "the nearest differs in seed (3 there"),
         (
-            lambda spec, _: spec.write_text(SPEC.format(seeds=[1, 2, 3]).replace("= 8", "= 9")),
+            lambda spec, _: spec.write_text(SMALL_CAMPAIGN.format(seeds=[1, 2, 3]).replace("= 8", "= 9")),
             "the nearest differs in duration_s (8.0 there, 9.0 here)",
         ),
         (lambda _, out: (out / "campaign.json").unlink(), "holds results that are of no campaign"),
@@ -231,7 +214,7 @@ def test_the_same_at_many_random_moments(reference, tmp_path, spec, seed):
     assert tables(tmp_path / "out") == tables(reference)
 
 
-LONG = SPEC.replace('"track"', '"w0"').replace("= 8", "= 3600").format(seeds=[1, 2])
+LONG = SMALL_CAMPAIGN.replace('"track"', '"w0"').replace("= 8", "= 3600").format(seeds=[1, 2])
 
 
 def test_workers_of_a_campaign_that_is_killed_end_and_leave_nothing(tmp_path, spec):
@@ -425,7 +408,7 @@ def lose(*_: object) -> None:
 
 
 def test_a_job_that_its_executor_loses_is_a_row(tmp_path, spec):
-    spec.write_text(SPEC.format(seeds=[1]))
+    spec.write_text(SMALL_CAMPAIGN.format(seeds=[1]))
     out = str(tmp_path / "out")
     with Lossy(2) as executor:
         outcomes = {each.run_id: each for each in execute_all(expand(read(spec)), out, executor)}
@@ -437,7 +420,7 @@ def test_a_job_that_its_executor_loses_is_a_row(tmp_path, spec):
 
 
 def test_tables_go_to_any_file_system(reference, tmp_path, spec):
-    spec.write_text(SPEC.format(seeds=[1]))
+    spec.write_text(SMALL_CAMPAIGN.format(seeds=[1]))
     out = f"simplecache::file://{tmp_path}/bucket"
     for there in ("", ", 2 were there before"):
         done = command("campaign", spec, "--out", out)
@@ -445,7 +428,7 @@ def test_tables_go_to_any_file_system(reference, tmp_path, spec):
         assert f"2 runs: 2 completed, 0 failed{there}." in done.stdout
         assert "is locked against a second campaign on this machine alone" in done.stderr
     assert tables(tmp_path / "bucket").items() <= tables(reference).items()
-    spec.write_text(SPEC.format(seeds=[2]))
+    spec.write_text(SMALL_CAMPAIGN.format(seeds=[2]))
     refused = command("campaign", spec, "--out", out)
     assert refused.returncode == 2
     assert "belongs to another campaign" in refused.stderr
@@ -456,7 +439,7 @@ def test_tables_go_to_any_file_system(reference, tmp_path, spec):
 
 
 def test_a_process_that_dies_when_all_is_written_has_lost_nothing(reference, tmp_path, spec):
-    spec.write_text(SPEC.format(seeds=[1]))
+    spec.write_text(SMALL_CAMPAIGN.format(seeds=[1]))
     with DeadAtTheEnd(2) as executor:
         outcomes = execute_all(expand(read(spec)), str(tmp_path / "out"), executor)
     assert {each.outcome for each in outcomes} == {"completed"}
@@ -464,7 +447,7 @@ def test_a_process_that_dies_when_all_is_written_has_lost_nothing(reference, tmp
 
 
 def test_a_process_that_dies_when_its_failure_is_written_has_failed(tmp_path, spec):
-    spec.write_text(SPEC.format(seeds=[1]))
+    spec.write_text(SMALL_CAMPAIGN.format(seeds=[1]))
     (job, _) = expand(read(spec))
     out = str(tmp_path / "out")
 
@@ -478,7 +461,7 @@ def test_a_process_that_dies_when_its_failure_is_written_has_failed(tmp_path, sp
 
 
 def test_results_that_nobody_else_can_see_are_not_taken_for_done(tmp_path, spec):
-    spec.write_text(SPEC.format(seeds=[1]))
+    spec.write_text(SMALL_CAMPAIGN.format(seeds=[1]))
     done = command("campaign", spec, "--out", "memory://study")
     assert done.returncode == 2
     assert done.stdout == ""

@@ -6,13 +6,12 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
 from aeb_sumo.results import TABLES, finished
-from tests.helpers import command
+from tests.helpers import command, wait_for
 
 pytest.importorskip("distributed")
 
@@ -28,15 +27,6 @@ duration_s = {duration}
 def tables(folder: Path) -> dict[str, str]:
     files = (path for name in TABLES for path in (folder / name).glob("*.parquet"))
     return {str(p.relative_to(folder)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
-
-
-def wait_for(what, seconds: float = 60.0):
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        if found := what():
-            return found
-        time.sleep(0.02)
-    raise AssertionError("it did not happen")
 
 
 def dask(kind: str, *options: str, folder: Path) -> "subprocess.Popen[bytes]":

@@ -6,29 +6,21 @@ import pytest
 
 import analysis
 from aeb_sumo.campaign import journal
-from tests.helpers import command
-
-SPEC = """[factors]
-scenario = "track"
-strategy = ["none", "staged"]
-seed = {seeds}
-[run]
-duration_s = 8
-"""
+from tests.helpers import SMALL_CAMPAIGN, command
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A campaign of two seeds in `out`, its specification beside it."""
     folder = tmp_path_factory.mktemp("campaign")
-    (folder / "spec.toml").write_text(SPEC.format(seeds="[1, 2]"))
+    (folder / "spec.toml").write_text(SMALL_CAMPAIGN.format(seeds="[1, 2]"))
     done = command("campaign", folder / "spec.toml", "--out", folder / "out", "--quiet")
     assert done.returncode == 0, done.stderr
     return folder
 
 
 def test_pilot_runs_tell_cost_and_traffic_and_leave_nothing(tmp_path):
-    (tmp_path / "spec.toml").write_text(SPEC.format(seeds="'1..100'"))
+    (tmp_path / "spec.toml").write_text(SMALL_CAMPAIGN.format(seeds="'1..100'"))
     done = command("plan", "spec.toml", "--pilot", 4, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
@@ -44,7 +36,7 @@ def test_pilot_runs_tell_cost_and_traffic_and_leave_nothing(tmp_path):
 
 def test_runs_that_are_there_are_better_than_pilot_runs(folder, tmp_path):
     out = folder / "out"
-    (tmp_path / "spec.toml").write_text(SPEC.format(seeds="'1..10'"))
+    (tmp_path / "spec.toml").write_text(SMALL_CAMPAIGN.format(seeds="'1..10'"))
     done = command("plan", tmp_path / "spec.toml", "--have", out)
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
@@ -62,7 +54,7 @@ def test_runs_that_are_there_are_better_than_pilot_runs(folder, tmp_path):
 
 
 def test_runs_that_were_shorter_are_scaled_and_said_to_be(folder, tmp_path):
-    (tmp_path / "spec.toml").write_text(SPEC.format(seeds="[1, 2]").replace("= 8", "= 80"))
+    (tmp_path / "spec.toml").write_text(SMALL_CAMPAIGN.format(seeds="[1, 2]").replace("= 8", "= 80"))
     done = command("plan", tmp_path / "spec.toml", "--have", folder / "out")
     assert done.returncode == 0, done.stderr
     assert "4 runs, 4 to do" in done.stdout
@@ -72,7 +64,7 @@ def test_runs_that_were_shorter_are_scaled_and_said_to_be(folder, tmp_path):
 
 
 def test_what_runs_do_not_tell_is_piloted(folder, tmp_path):
-    (tmp_path / "spec.toml").write_text(SPEC.format(seeds="1").replace('"none", ', '"none", "yan2025", '))
+    (tmp_path / "spec.toml").write_text(SMALL_CAMPAIGN.format(seeds="1").replace('"none", ', '"none", "yan2025", '))
     done = command("plan", tmp_path / "spec.toml", "--have", folder / "out", "--pilot", 2)
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
@@ -88,7 +80,7 @@ def test_what_runs_do_not_tell_is_piloted(folder, tmp_path):
     ],
 )
 def test_bad_options_are_one_line(tmp_path, arguments, reason):
-    (tmp_path / "spec.toml").write_text(SPEC.format(seeds="1"))
+    (tmp_path / "spec.toml").write_text(SMALL_CAMPAIGN.format(seeds="1"))
     done = command("plan", "spec.toml", *arguments, cwd=tmp_path)
     assert done.returncode == 2
     (line,) = done.stderr.splitlines()
