@@ -1,0 +1,38 @@
+import pkgutil
+from importlib import import_module
+
+import pytest
+from numba.core.dispatcher import Dispatcher
+
+import aeb_sumo
+
+MODULES = [name for _, name, _ in pkgutil.walk_packages(aeb_sumo.__path__, "aeb_sumo.") if "__main__" not in name]
+
+
+def kernels():
+    for name in MODULES:
+        for attribute in vars(import_module(name)).values():
+            if isinstance(attribute, Dispatcher) and attribute.py_func.__module__ == name:
+                yield pytest.param(attribute, id=f"{name}.{attribute.__name__}")
+
+
+def reached(kernel):
+    code = kernel.py_func.__code__
+    return {name: kernel.py_func.__globals__[name] for name in code.co_names if name in kernel.py_func.__globals__}
+
+
+@pytest.mark.parametrize("kernel", kernels())
+def test_a_kernel_calls_only_kernels_of_its_own_file(kernel):
+    called = [value for value in reached(kernel).values() if isinstance(value, Dispatcher)]
+    assert all(one.py_func.__module__ == kernel.py_func.__module__ for one in called)
+
+
+@pytest.mark.parametrize("kernel", kernels())
+def test_a_kernel_leaves_transcendental_functions_to_numpy(kernel):
+    code = kernel.py_func.__code__
+    assert not {"sin", "cos", "tan", "exp", "log", "hypot", "arctan2", "atan2", "power", "pow"} & set(code.co_names)
+
+
+@pytest.mark.parametrize("kernel", kernels())
+def test_a_kernel_is_kept_from_one_process_to_the_next(kernel):
+    assert kernel._cache is not None and type(kernel._cache).__name__ != "NullCache"
