@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.errors import InputError
 from aeb_sumo.soa import Floats
 
@@ -133,17 +134,25 @@ class Surface:
 
     def __call__(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """Outputs for inputs (n,) and (n,)."""
-        i, fx = _cell(np.asarray(x, float), self.x)
-        j, fy = _cell(np.asarray(y, float), self.y)
-        v = self.values
-        near = v[i, j] * (1 - fy) + v[i, j + 1] * fy
-        far = v[i + 1, j] * (1 - fy) + v[i + 1, j + 1] * fy
-        result: Floats = near * (1 - fx) + far * fx
+        result: Floats = _interpolated(np.asarray(x, float), np.asarray(y, float), self.x, self.y, self.values)
         return result
 
 
-def _cell(q: Floats, lines: Floats) -> tuple[np.ndarray[tuple[int, ...], np.dtype[np.int64]], Floats]:
+@kernel
+def _interpolated(x: Floats, y: Floats, lines_x: Floats, lines_y: Floats, v: Floats) -> Floats:
+    result = np.empty(len(x))
+    for k in range(len(x)):
+        i, fx = _cell(x[k], lines_x)
+        j, fy = _cell(y[k], lines_y)
+        near = v[i, j] * (1 - fy) + v[i, j + 1] * fy
+        far = v[i + 1, j] * (1 - fy) + v[i + 1, j + 1] * fy
+        result[k] = near * (1 - fx) + far * fx
+    return result
+
+
+@kernel
+def _cell(q: float, lines: Floats) -> tuple[int, float]:
     """Index of the grid cell and the fraction within it."""
-    q = np.clip(q, lines[0], lines[-1])
-    cell = np.clip(np.searchsorted(lines, q, side="right") - 1, 0, len(lines) - 2)
+    q = min(max(q, lines[0]), lines[-1])
+    cell = min(max(int(np.searchsorted(lines, q, side="right")) - 1, 0), len(lines) - 2)
     return cell, (q - lines[cell]) / (lines[cell + 1] - lines[cell])

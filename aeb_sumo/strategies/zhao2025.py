@@ -9,15 +9,16 @@ the paths cross, is our extension (`Gaze.PATH`).
 """
 
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from typing import ClassVar
 
 import numpy as np
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.criticality import ttc2
 from aeb_sumo.fuzzy import RuleBase, Surface
 from aeb_sumo.parameters import within
-from aeb_sumo.soa import Bools, Floats, Ints, take
+from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
 from aeb_sumo.units import KMH, G, to_kmh
 from aeb_sumo.vehicle.brake import BrakeParams
@@ -144,61 +145,102 @@ class Zhao2025(Strategy):
         prints `+ v2^2 / (2 a2)`, which is right with a2 < 0; it is never less than the second (A9). d0 is taken with
         the final speed of both: 0 behind a lead that stands or brakes, else the lead's (A4).
         """
-        v1, v2 = percept.ego_speed, percept.target_speed
-        v_rel = np.maximum(v1 - v2, 0.0)
-        tau = self.t2_free + self.t2_build / 2
-        a1 = np.minimum(self.comfort_decel, self.max_decel(percept.mu))
-
-        def distance(v: Floats, v_end: Floats | float) -> Floats:
-            d0 = 0.36 * v_end + 1.4
-            result: Floats = v * tau + v**2 / (2 * a1) + d0
-            return result
-
-        steady = distance(v_rel, np.maximum(v2, 0.0))
-        braking = distance(v1, 0.0) - v2**2 / (2 * np.maximum(-percept.target_accel, self.braking))
-        return np.where(
-            v2 < self.standing,
-            distance(v1, 0.0),
-            np.where(percept.target_accel < -self.braking, np.maximum(braking, steady), steady),
+        return _braking_distances(
+            percept.ego_speed, percept.target_speed, percept.target_accel, percept.mu, *self._brakes
         )
 
-    def omega(self, percept: Percept, braking_distance: Floats) -> Floats:
-        """Danger coefficient `(d - S_b) / (S_w - S_b)`, `S_w - S_b = v1 t1` (eq. 2).
-
-        The paper uses omega without defining it; this reading fits its results best (A1).
-        """
-        return (percept.gap - braking_distance) / np.maximum(percept.ego_speed * self.reaction_time, 0.5)
+    @cached_property
+    def _brakes(self) -> tuple[float, float, float, float]:
+        """What the braking distance depends on besides the percept."""
+        return self.t2_free + self.t2_build / 2, self.comfort_decel, self.standing, self.braking
 
     def step(self, state: Zhao2025State, percept: Percept, dt: float) -> tuple[Zhao2025State, Demand]:  # noqa: ARG002
         """See `Strategy.step`. Warning: Figure 3 and Table 3; braking: Figure 4 and Table 4; seeds 1.4."""
         closing = percept.ego_speed - percept.target_speed
         time = ttc2(gap=percept.gap, closing_speed=closing, closing_accel=percept.ego_accel - percept.target_accel)
-        # Closing includes v_rel = 0 with a_rel > 0, the first row of Table 1.
-        alive: Bools = percept.valid & (percept.ego_speed > 0) & (closing >= 0)
-
-        idle = state.phase == Phase.NONE
-        is_fast = percept.ego_speed > self.fast
-        ttc_threshold = np.where(idle, np.where(is_fast, self.ttc_fast, self.ttc_slow), state.ttc_threshold)
-        omega_threshold = np.where(idle, np.where(is_fast, self.omega_fast, self.omega_slow), state.omega_threshold)
-
-        was_braking = state.phase >= Phase.PARTIAL_BRAKE
-        warning = alive & (time <= np.where(idle, ttc_threshold, ttc_threshold + self.ttc_release))
-        phase, decel = np.where(warning, int(Phase.WARN), int(Phase.NONE)), np.zeros(len(warning))
-        # Few get any further. Braking goes on until the closing speed is gone (seeds 1.4); it starts only out of a
-        # warning.
-        rows = ((warning | was_braking) & alive & (closing > 0)).nonzero()[0]
+        phase, decel, s_b, *latched = _decided(
+            state.phase, state.ttc_threshold, state.omega_threshold, percept.valid, time, percept.gap,
+            percept.ego_speed, percept.target_speed, percept.target_accel, percept.mu,
+            self.fast, self.ttc_slow, self.ttc_fast, self.ttc_release, self.omega_slow, self.omega_fast,
+            self.omega_release, self.reaction_time, *self._brakes,
+        )  # fmt: skip
+        rows = (phase == Phase.PARTIAL_BRAKE).nonzero()[0]
         if len(rows):
-            few = take(percept, rows)
-            s_b = self.braking_distance(few)
-            braking = was_braking[rows] | (few.gap <= s_b)
-            release = np.where(state.phase[rows] == Phase.FULL_BRAKE, self.omega_release, 0.0)
-            full = braking & (self.omega(few, s_b) <= omega_threshold[rows] + release)
-            limit = self.max_decel(few.mu)
-            fuzzy = np.minimum(_surface()(to_kmh(closing[rows]), few.gap), limit)
-            fuzzy = np.where((few.gap > s_b) & (fuzzy < self.dead_band), 0.0, fuzzy)
-            decel[rows] = np.where(full, limit, np.where(braking, fuzzy, 0.0))
-            phase[rows] = np.select([full, braking], [Phase.FULL_BRAKE, Phase.PARTIAL_BRAKE], phase[rows])
-        return Zhao2025State(phase, ttc_threshold, omega_threshold), Demand(phase=phase, decel=decel)
+            gap = percept.gap[rows]
+            fuzzy = np.minimum(_surface()(to_kmh(closing[rows]), gap), self.max_decel(percept.mu[rows]))
+            decel[rows] = np.where((gap > s_b[rows]) & (fuzzy < self.dead_band), 0.0, fuzzy)
+        return Zhao2025State(phase, *latched), Demand(phase=phase, decel=decel)
+
+
+_NONE, _WARN, _PARTIAL, _FULL = (int(phase) for phase in Phase)
+
+
+@kernel
+def _decided(
+    phase: Ints, ttc_threshold: Floats, omega_threshold: Floats, valid: Bools, time: Floats, gap: Floats,
+    v1: Floats, v2: Floats, a2: Floats, mu: Floats,
+    fast: float, ttc_slow: float, ttc_fast: float, ttc_release: float, omega_slow: float, omega_fast: float,
+    omega_release: float, reaction_time: float, tau: float, comfort: float, standing: float, brakes: float,
+) -> tuple[Ints, Floats, Floats, Floats, Floats]:  # fmt: skip
+    """New phases, decelerations but for partial braking, braking distances, and both thresholds as latched."""
+    n = len(phase)
+    new, decel, distance = np.full(n, _NONE), np.zeros(n), np.zeros(n)
+    ttc_latched, omega_latched = ttc_threshold.copy(), omega_threshold.copy()
+    for k in range(n):
+        idle, was_braking = phase[k] == _NONE, phase[k] >= _PARTIAL
+        if idle:
+            ttc_latched[k] = ttc_fast if v1[k] > fast else ttc_slow
+            omega_latched[k] = omega_fast if v1[k] > fast else omega_slow
+        # Closing includes v_rel = 0 with a_rel > 0, the first row of Table 1.
+        if not (valid[k] and v1[k] > 0 and v1[k] - v2[k] >= 0):
+            continue
+        warning = time[k] <= (ttc_latched[k] if idle else ttc_latched[k] + ttc_release)
+        if warning:
+            new[k] = _WARN
+        # Braking goes on until the closing speed is gone (seeds 1.4); it starts only out of a warning.
+        if not ((warning or was_braking) and v1[k] - v2[k] > 0):
+            continue
+        s_b = distance[k] = _braking_distance(v1[k], v2[k], a2[k], mu[k], tau, comfort, standing, brakes)
+        if was_braking or gap[k] <= s_b:
+            release = omega_release if phase[k] == _FULL else 0.0
+            # Danger coefficient `(d - S_b) / (S_w - S_b)`, `S_w - S_b = v1 t1` (eq. 2). The paper uses omega without
+            # defining it; this reading fits its results best (A1).
+            omega = (gap[k] - s_b) / max(v1[k] * reaction_time, 0.5)
+            new[k] = _FULL if omega <= omega_latched[k] + release else _PARTIAL
+            decel[k] = _max_decel(mu[k]) if new[k] == _FULL else 0.0
+    return new, decel, distance, ttc_latched, omega_latched
+
+
+@kernel
+def _braking_distances(
+    v1: Floats, v2: Floats, a2: Floats, mu: Floats, tau: float, comfort: float, standing: float, brakes: float
+) -> Floats:
+    result = np.empty(len(v1))
+    for k in range(len(v1)):
+        result[k] = _braking_distance(v1[k], v2[k], a2[k], mu[k], tau, comfort, standing, brakes)
+    return result
+
+
+@kernel
+def _braking_distance(
+    v1: float, v2: float, a2: float, mu: float, tau: float, comfort: float, standing: float, brakes: float
+) -> float:
+    """Table 2; see `Zhao2025.braking_distance`."""
+    a1 = min(comfort, _max_decel(mu))
+    to_standstill = v1 * tau + v1 * v1 / (2 * a1) + 1.4
+    if v2 < standing:
+        return to_standstill
+    v_rel = max(v1 - v2, 0.0)
+    steady = v_rel * tau + v_rel * v_rel / (2 * a1) + (0.36 * max(v2, 0.0) + 1.4)
+    if a2 < -brakes:
+        return max(to_standstill - v2 * v2 / (2 * max(-a2, brakes)), steady)
+    return steady
+
+
+@kernel
+def _max_decel(mu: float) -> float:
+    """`a_bmax = mu g - 1` (eq. 3) [m/s2], not below 0.5 (seeds 1.4)."""
+    return max(mu * G - 1.0, 0.5)
 
 
 STRATEGY = Zhao2025

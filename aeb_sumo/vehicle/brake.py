@@ -8,13 +8,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import check, within
-from aeb_sumo.soa import Floats
+from aeb_sumo.soa import Floats, Ints
 from aeb_sumo.units import G
-from aeb_sumo.vehicle.lower_controller import PidParams, PidState, pid_init, pid_step
+from aeb_sumo.vehicle.lower_controller import PidParams
 
-__all__ = ["BrakeParams", "BrakeState", "brake_init", "brake_step"]
+__all__ = ["BrakeParams", "BrakeState", "brake_in_place", "brake_init", "brake_step", "pid_step"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +82,7 @@ class BrakeState:
     Attributes:
         decel: (n,) what the brake does now, >= 0 [m/s2].
         pipe: (n, k) outputs of the controller on their way through the dead time, next to arrive first [m/s2].
-        integral, error: (n,) memory of the PID controller.
+        integral, error: (n,) memory of the controller: integral of its error [m/s], and the last error [m/s2].
     """
 
     decel: Floats
@@ -92,9 +93,8 @@ class BrakeState:
 
 def brake_init(params: BrakeParams, n: int, dt: float) -> BrakeState:
     """State of `n` released brakes, for steps of `dt` [s]."""
-    pid = pid_init(n)
     delay = round(params.longest_dead_time() / (dt / params.substeps(dt)))
-    return BrakeState(np.zeros(n), np.zeros((n, delay)), pid.integral, pid.error)
+    return BrakeState(np.zeros(n), np.zeros((n, delay)), np.zeros(n), np.zeros(n))
 
 
 def brake_step(
@@ -112,31 +112,81 @@ def brake_step(
     Returns:
         The new state and the (n,) mean deceleration over the step [m/s2]: `dt` times it is the loss of speed.
     """
+    new = BrakeState(state.decel.copy(), state.pipe.copy(), state.integral.copy(), state.error.copy())
+    return new, brake_in_place(params, new, np.arange(len(demand)), demand=demand, mu=mu, dt=dt)
+
+
+def brake_in_place(
+    params: BrakeParams, state: BrakeState, rows: Ints, *, demand: Floats, mu: Floats, dt: float
+) -> Floats:
+    """`brake_step` of some rows of `state`, which is changed; `demand`, `mu` and the result are of these rows."""
     substeps = params.substeps(dt)
     h = dt / substeps
-    limit = mu * G
-    demand = np.minimum(demand, limit)
-    gains, pid = params.controller, PidState(state.integral, state.error)
-    decel, pipe = state.decel, state.pipe
+    gains = params.controller
     # Exact for a constant input over the substep, so the lag may be as short as the substep.
-    follow = 1.0 if params.lag == 0 else 1 - np.exp(-h / params.lag)
-    lost = np.zeros_like(decel)
+    follow = 1.0 if params.lag == 0 else float(1 - np.exp(-h / params.lag))
+    return _brake(
+        rows, demand, mu * G, np.rint(params.dead_times(mu) / h), state.decel, state.pipe, state.integral, state.error,
+        np.atleast_1d(gains.kp), np.atleast_1d(gains.ti), np.atleast_1d(gains.td), gains.limit,
+        params.open_loop, follow, -params.release * h, params.build_up * h, substeps, h, dt,
+    )  # fmt: skip
+
+
+@kernel
+def _brake(
+    rows: Ints, demand: Floats, limit: Floats, delay: Floats, decel: Floats, pipe: Floats, integral: Floats,
+    error: Floats, kp: Floats, ti: Floats, td: Floats, most: float,
+    open_loop: bool, follow: float, fall: float, rise: float, substeps: int, h: float, dt: float,
+) -> Floats:  # fmt: skip
+    result = np.empty(len(rows))
     length = pipe.shape[1]
-    # What enters the pipe now arrives after the dead time of this road; until something else enters, it lasts.
-    delay = np.rint(params.dead_times(mu) / h)
-    at_once, behind = delay == 0, np.arange(length) >= delay[:, None] - 1
-    for _ in range(substeps):
-        controlled = demand
-        if not params.open_loop:
-            pid, controlled = pid_step(gains, pid, demand=demand, actual=decel, dt=h)
-        if length:
-            arriving = np.minimum(pipe[:, 0], controlled) if params.open_loop else pipe[:, 0]
-            arriving = np.where(at_once, controlled, arriving)
-            pipe = np.where(behind, controlled[:, None], np.column_stack([pipe[:, 1:], controlled]))
-        else:
-            arriving = controlled
-        change = np.clip((arriving - decel) * follow, -params.release * h, params.build_up * h)
-        new = np.clip(decel + change, 0.0, limit)
-        lost += (decel + new) / 2 * h
-        decel = new
-    return BrakeState(decel, pipe, pid.integral, pid.error), lost / dt
+    for k in range(len(rows)):
+        r, own = rows[k], min(k, len(kp) - 1)
+        wanted, now, lost = min(demand[k], limit[k]), decel[r], 0.0
+        for _ in range(substeps):
+            arriving = wanted
+            if not open_loop:
+                off = wanted - now
+                arriving, integral[r] = pid_step(off, error[r], integral[r], kp[own], ti[own], td[own], most, h)
+                error[r] = off
+            if length:
+                # What enters the pipe now arrives after the dead time of this road; until something else enters, it
+                # lasts.
+                entering, first = arriving, pipe[r, 0]
+                for j in range(length):
+                    pipe[r, j] = entering if j >= min(delay[k], length) - 1 else pipe[r, j + 1]
+                if delay[k] > 0:
+                    arriving = min(first, entering) if open_loop else first
+            after = min(max(now + min(max((arriving - now) * follow, fall), rise), 0.0), limit[k])
+            lost += (now + after) / 2 * h
+            now = after
+        decel[r] = now
+        result[k] = lost / dt
+    return result
+
+
+@kernel
+def pid_step(
+    error: float, last: float, integral: float, kp: float, ti: float, td: float, limit: float, dt: float
+) -> tuple[float, float]:
+    """One step of `a_con = Kp [e + 1/Ti int e dt + Td de/dt]` (Zhao et al. 2025, eq. 7).
+
+    Args:
+        error: demanded less actual deceleration [m/s2] ...
+        last: ... and that of the step before.
+        integral: of the error, so far [m/s].
+        kp: gain.
+        ti: integral time [s].
+        td: derivative time [s].
+        limit: of the controlled deceleration, at which the integral stops [m/s2].
+        dt: step [s].
+
+    Returns:
+        The controlled deceleration, 0 to `limit` [m/s2], and the new integral.
+    """
+    grown = integral + error * dt
+    wanted = kp * (error + grown / ti + td * (error - last) / dt)
+    controlled = min(max(wanted, 0.0), limit)
+    beyond = wanted - controlled
+    winding_up = (beyond > 0 and error > 0) or (beyond < 0 and error < 0)
+    return controlled, integral if winding_up else grown

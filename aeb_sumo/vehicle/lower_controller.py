@@ -1,13 +1,10 @@
-"""The PID lower controller of Zhao et al. 2025, 2.2: from the demanded to the controlled deceleration."""
+"""The PID lower controller of Zhao et al. 2025, 2.2: its gains. The brake runs it (`aeb_sumo.vehicle.brake`)."""
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from aeb_sumo.parameters import check, within
-from aeb_sumo.soa import Floats
 
-__all__ = ["PidParams", "PidState", "pid_init", "pid_step"]
+__all__ = ["PidParams"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,39 +40,3 @@ class PidParams:
         """
         lag = max(lag, 0.01)
         return cls(kp=lag / (max(lag, dead_time) + dead_time), ti=lag)
-
-
-@dataclass(frozen=True)
-class PidState:
-    """Memory of the controller, (n,) each: the integral of the error [m/s], the last error [m/s2]."""
-
-    integral: Floats
-    error: Floats
-
-
-def pid_init(n: int) -> PidState:
-    """State at rest."""
-    return PidState(np.zeros(n), np.zeros(n))
-
-
-def pid_step(
-    params: PidParams, state: PidState, *, demand: Floats, actual: Floats, dt: float
-) -> tuple[PidState, Floats]:
-    """One step of `a_con = Kp [e + 1/Ti int e dt + Td de/dt]` (eq. 7), e = demanded - actual deceleration.
-
-    Args:
-        params: the gains.
-        state: (n,) memory.
-        demand: (n,) demanded deceleration, >= 0 [m/s2].
-        actual: (n,) deceleration of the car, >= 0 [m/s2].
-        dt: step [s].
-
-    Returns:
-        The new state and the (n,) controlled deceleration [m/s2], 0 to `params.limit`.
-    """
-    error = demand - actual
-    integral = state.integral + error * dt
-    wanted = params.kp * (error + integral / params.ti + params.td * (error - state.error) / dt)
-    controlled = np.clip(wanted, 0.0, params.limit)
-    winding_up = (wanted != controlled) & (np.sign(error) == np.sign(wanted - controlled))
-    return PidState(np.where(winding_up, state.integral, integral), error), controlled

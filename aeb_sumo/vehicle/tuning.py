@@ -34,7 +34,7 @@ def step_response(brake: BrakeParams, gains: Floats) -> Floats:
     Returns:
         (n, m, k) deceleration at the end of each substep of `DURATION` for each of `STEPS` [m/s2].
     """
-    # One gain per row: `pid_step` broadcasts.
+    # One gain per row.
     each = np.repeat(gains, len(STEPS), axis=0)
     brake = replace(brake, pid=PidParams(kp=each[:, 0], ti=each[:, 1], td=each[:, 2]))  # type: ignore[arg-type]
     n, dt = len(each), brake.substep

@@ -9,11 +9,14 @@ import aeb_sumo
 MODULES = [name for _, name, _ in pkgutil.walk_packages(aeb_sumo.__path__, "aeb_sumo.") if "__main__" not in name]
 
 
-def kernels():
+def _kernels():
     for name in MODULES:
         for attribute in vars(import_module(name)).values():
             if isinstance(attribute, Dispatcher) and attribute.py_func.__module__ == name:
                 yield pytest.param(attribute, id=f"{name}.{attribute.__name__}")
+
+
+KERNELS = list(_kernels())
 
 
 def reached(kernel):
@@ -21,18 +24,18 @@ def reached(kernel):
     return {name: kernel.py_func.__globals__[name] for name in code.co_names if name in kernel.py_func.__globals__}
 
 
-@pytest.mark.parametrize("kernel", kernels())
+@pytest.mark.parametrize("kernel", KERNELS)
 def test_a_kernel_calls_only_kernels_of_its_own_file(kernel):
     called = [value for value in reached(kernel).values() if isinstance(value, Dispatcher)]
     assert all(one.py_func.__module__ == kernel.py_func.__module__ for one in called)
 
 
-@pytest.mark.parametrize("kernel", kernels())
+@pytest.mark.parametrize("kernel", KERNELS)
 def test_a_kernel_leaves_transcendental_functions_to_numpy(kernel):
     code = kernel.py_func.__code__
     assert not {"sin", "cos", "tan", "exp", "log", "hypot", "arctan2", "atan2", "power", "pow"} & set(code.co_names)
 
 
-@pytest.mark.parametrize("kernel", kernels())
+@pytest.mark.parametrize("kernel", KERNELS)
 def test_a_kernel_is_kept_from_one_process_to_the_next(kernel):
     assert type(kernel._cache).__name__ == "FunctionCache"
