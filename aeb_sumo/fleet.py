@@ -4,14 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from aeb_sumo.brakes import Brakes
 from aeb_sumo.candidates import Candidates
+from aeb_sumo.compiled import kernel
 from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.grip import Grip
 from aeb_sumo.lookout import Lookout, Targets
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, joined, mask, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
-from aeb_sumo.vehicle.brake import brake_init, brake_step
 from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.leads import Leads
@@ -22,8 +23,6 @@ from aeb_sumo.world.sightlines import Sightlines
 __all__ = ["Fleet", "Target"]
 
 _ELSEWHERE = 2.0  # m, another target farther away than the last by more than this is another matter, our assumption
-_RELEASED = 0.05  # m/s2, a brake below this is off
-_HOLDING = 3.0  # m/s2, of a brake that holds a standing car: any value holds it
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class Fleet:
         )
         self._capacity = 0
         self._memory = strategy.init(0)
-        self._brake = brake_init(strategy.brake, 0, traffic.dt)
+        self._brakes = Brakes(traffic, friction, strategy.brake)
         self.demand = Demand.nothing(0)
         self._held = Demand.nothing(0)  # the last demand of each, until its system works again
         self._next: Floats = np.zeros(0)  # when that is [s]
@@ -82,7 +81,6 @@ class Fleet:
         self._last_phase: Ints = np.zeros(0, np.int64)
         self._aimed: Floats = np.zeros(0)  # serial number of the last target
         self._aimed_gap: Floats = np.zeros(0)  # and its gap [m]
-        self._hold: Floats = np.zeros(0)
         self._targets: Targets | None = None
         self._rows: Ints = np.zeros(0, np.int64)
         self._unfinished: Ints = np.zeros(0, np.int64)
@@ -110,34 +108,32 @@ class Fleet:
         """
         t = self._traffic
         self.fit()
-        off = (self.equipped & disabled[: self._capacity]).nonzero()[0]
+        rows, off = _at_work(self.equipped, disabled, t.here, t.followed_at, t.step)
         if len(off):
             self._reset(off)
-        rows = (self.equipped & t.here & ~disabled & t.followed).nonzero()[0]
-        self.decel[:] = 0.0
-        self.demand.phase[:] = Phase.NONE
-        self.demand.decel[:] = 0.0
+        self.decel.fill(0.0)
+        self.demand.phase.fill(Phase.NONE)
+        self.demand.decel.fill(0.0)
         self._unfinished = rows[:0]
         if not len(rows) and not self._lookout.remembers:
             self._rows, self._targets = rows, None
             return
         self.grip.step(rows)
-        braking = self._last_phase >= Phase.PARTIAL_BRAKE
-        seeing, targets = self._lookout.step(rows, braking=braking, time=time)
+        seeing, targets = self._lookout.step(rows, braking=self._last_phase >= Phase.PARTIAL_BRAKE, time=time)
         # The strategy only has work where there is a target, or something to end.
-        unfinished = rows[(self._last_phase[rows] > 0) | self._working(rows)]
+        unfinished = self._to_end(rows)
         unfinished = unfinished[~mask(seeing, t.capacity)[unfinished]] if len(unfinished) else unfinished
         rows = seeing
         if len(unfinished):
             rows = np.append(seeing, unfinished)
             order = np.argsort(rows)
             rows, targets = rows[order], take(joined(targets, Targets.none(len(unfinished))), order)
-        self._forget_others(rows, targets)
         self._rows, self._targets = rows, targets
         if not len(rows):
             return
+        self._forget_others(rows, targets)
         self._act(rows, targets, time)
-        self._unfinished = rows[(self._last_phase[rows] > 0) | self._working(rows)]
+        self._unfinished = self._to_end(rows)
 
     @property
     def busy(self) -> Ints:
@@ -151,7 +147,7 @@ class Fleet:
 
     def _act(self, rows: Ints, targets: Targets, time: float) -> None:
         """From what is perceived to what the brakes do."""
-        t, dt = self._traffic, self._traffic.dt
+        t = self._traffic
         percept = Percept(
             valid=targets.slot >= 0,
             gap=targets.gap,
@@ -166,61 +162,42 @@ class Fleet:
             vulnerable=targets.vulnerable,
             mu=self.grip.known(rows),
         )
+        demand = self._decide(rows, percept, time)
+        put(self.demand, rows, demand)
+        self._last_phase[rows] = demand.phase
+        self._brakes.apply(rows, demand.decel, self.decel)
+
+    def _decide(self, rows: Ints, percept: Percept, time: float) -> Demand:
+        """What the strategy demands of these vehicles."""
+        dt, cycle = self._traffic.dt, self._strategy.cycle
+        if cycle <= dt:
+            memory, demand = self._strategy.step(take(self._memory, rows), percept, dt)
+            put(self._memory, rows, memory)
+            return demand
         # A system that works more slowly than the simulation holds its demand meanwhile, unless its target is gone.
         due = (time >= self._next[rows] - dt / 2) | ~percept.valid
         now = rows[due]
         if len(now):
-            cycle = self._strategy.cycle
-            percept = percept if len(now) == len(rows) else take(percept, due)
-            memory, demand = self._strategy.step(take(self._memory, now), percept, max(dt, cycle))
+            memory, demand = self._strategy.step(take(self._memory, now), take(percept, due), cycle)
             put(self._memory, now, memory)
             put(self._held, now, demand)
-            if cycle:
-                begun = self._begun[now]
-                self._next[now] = begun + (np.floor((time - begun + dt / 2) / cycle) + 1) * cycle
-        held = take(self._held, rows)
-        put(self.demand, rows, held)
-        self._last_phase[rows] = held.phase
-        self._apply_brake(rows, held)
+            begun = self._begun[now]
+            self._next[now] = begun + (np.floor((time - begun + dt / 2) / cycle) + 1) * cycle
+        return take(self._held, rows)
 
-    def _working(self, rows: Ints) -> Bools:
-        """Brakes that are on, hold a standing car, or have something on the way to them."""
-        result: Bools = (self._brake.decel[rows] > _RELEASED) | (self._hold[rows] > 0)
-        if self._brake.pipe.shape[1]:
-            result |= (self._brake.pipe[rows] > 0).any(1)
-        return result
+    def _to_end(self, rows: Ints) -> Ints:
+        """Those of the rows whose system does something, or whose brake is on or about to be."""
+        return rows[(self._last_phase[rows] > 0) | self._brakes.working(rows)]
 
     def _forget_others(self, rows: Ints, targets: Targets) -> None:
         """A system that turns to another target farther away starts afresh: what it had latched was about the last one.
 
         Not so for another at the same place, such as the next of several e-bikes: there it goes on braking.
         """
-        serial = np.where(targets.slot >= 0, self._traffic.serial[np.maximum(targets.slot, 0)], 0.0)
-        aimed = self._aimed[rows]
-        changed = (serial != aimed) & (serial > 0) & (aimed > 0)
-        other = rows[changed & (targets.gap > self._aimed_gap[rows] + _ELSEWHERE)]
+        other = rows[_turned_away(rows, targets.slot, targets.gap, self._traffic.serial, self._aimed, self._aimed_gap)]
         if len(other):
             put(self._memory, other, self._strategy.init(len(other)))
             self._next[other] = 0.0
-        self._aimed[rows], self._aimed_gap[rows] = serial, targets.gap
-
-    def _apply_brake(self, rows: Ints, demand: Demand) -> None:
-        t, dt, params = self._traffic, self._traffic.dt, self._strategy.brake
-        braking = (demand.decel > 0) | self._working(rows)
-        rows, wanted = rows[braking], demand.decel[braking]
-        if not len(rows):
-            return
-        # Brought to a stop by its AEB, a car is held for a while; its driver then takes over.
-        stopped = (t.speed[rows] <= 0) & (t.old_speed[rows] > 0) & (self._brake.decel[rows] > _RELEASED)
-        self._hold[rows] = np.where(stopped, params.hold, np.maximum(self._hold[rows] - dt, 0.0))
-        wanted = np.where(self._hold[rows] > 0, np.maximum(wanted, _HOLDING), wanted)
-        brake, decel = brake_step(params, take(self._brake, rows), demand=wanted, mu=self._friction.at(rows), dt=dt)
-        put(self._brake, rows, brake)
-        decel = np.where(t.speed[rows] > 0, decel, np.where(self._hold[rows] > 0, _HOLDING, 0.0))
-        self.decel[rows] = np.where(decel > _RELEASED, decel, 0.0)
-        idle = rows[(self.decel[rows] == 0) & (wanted == 0) & ~(brake.pipe > 0).any(1)]
-        if len(idle):
-            put(self._brake, idle, brake_init(params, len(idle), dt))
 
     def targets(self, slots: Ints) -> Targets:
         """What the vehicles in these slots react to in the coming step."""
@@ -259,9 +236,9 @@ class Fleet:
     def _reset(self, rows: Ints) -> None:
         n = len(rows)
         put(self._memory, rows, self._strategy.init(n))
-        put(self._brake, rows, brake_init(self._strategy.brake, n, self._traffic.dt))
+        self._brakes.reset(rows)
         put(self._held, rows, Demand.nothing(n))
-        for array in (self._aimed, self._aimed_gap, self._hold, self._last_phase, self._next, self.decel):
+        for array in (self._aimed, self._aimed_gap, self._last_phase, self._next, self.decel):
             array[rows] = 0
 
     def fit(self) -> bool:
@@ -269,16 +246,46 @@ class Fleet:
         n = self._traffic.capacity
         if n == self._capacity:
             return False
-        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_hold", "_last_phase", "_next", "_begun"):
+        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_last_phase", "_next", "_begun"):
             setattr(self, name, fitted(getattr(self, name), n))
         old = np.arange(self._capacity)
         for name, grown in (
             ("_memory", self._strategy.init(n)),
-            ("_brake", brake_init(self._strategy.brake, n, self._traffic.dt)),
             ("demand", Demand.nothing(n)),
             ("_held", Demand.nothing(n)),
         ):
             put(grown, old, getattr(self, name))
             setattr(self, name, grown)
+        self._brakes.fit(n)
         self._capacity = n
         return True
+
+
+@kernel
+def _at_work(equipped: Bools, disabled: Bools, here: Bools, followed_at: Ints, step: int) -> tuple[Ints, Ints]:
+    """Slots of those whose system works and who are followed in this step, and of those whose system is disabled."""
+    rows, off = np.empty(len(equipped), np.int64), np.empty(len(equipped), np.int64)
+    works, broken = 0, 0
+    for slot in range(len(equipped)):
+        if not equipped[slot]:
+            continue
+        if disabled[slot]:
+            off[broken] = slot
+            broken += 1
+        elif here[slot] and followed_at[slot] == step:
+            rows[works] = slot
+            works += 1
+    return rows[:works], off[:broken]
+
+
+@kernel
+def _turned_away(rows: Ints, target: Ints, gap: Floats, serial: Floats, aimed: Floats, aimed_gap: Floats) -> Bools:
+    """Which have another target than before, and farther away; `aimed` and `aimed_gap` are brought up to date."""
+    result = np.empty(len(rows), np.bool_)
+    for k in range(len(rows)):
+        slot = rows[k]
+        now = serial[target[k]] if target[k] >= 0 else 0.0
+        other = now != aimed[slot] and now > 0 and aimed[slot] > 0
+        result[k] = other and gap[k] > aimed_gap[slot] + _ELSEWHERE
+        aimed[slot], aimed_gap[slot] = now, gap[k]
+    return result
