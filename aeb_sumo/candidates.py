@@ -101,17 +101,16 @@ class Candidates:
 
     def _ahead(self, ego: Ints, other: Ints, gap: Floats) -> Pairs:
         t, n = self._traffic, len(ego)
-        rear_x, rear_y = t.rear(other)
         view = sees_lead(
             self._suite.reach,
             self._suite.field_of_view,
-            x=t.x[ego],
-            y=t.y[ego],
-            heading=t.heading[ego],
+            ego=ego,
+            lead=other,
             gap=gap,
-            rear_x=rear_x,
-            rear_y=rear_y,
-            lead_heading=t.heading[other],
+            x=t.x,
+            y=t.y,
+            heading=t.heading,
+            length=t.length,
         )
         return Pairs(ego, other, np.zeros(n, np.bool_), gap, view, np.ones(n, np.bool_), np.full((n, 4), np.nan))
 

@@ -9,10 +9,11 @@ from aeb_sumo.candidates import Candidates
 from aeb_sumo.compiled import kernel
 from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.grip import Grip
-from aeb_sumo.lookout import Lookout, Targets
+from aeb_sumo.lookout import Lookout
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, joined, mask, put, take
 from aeb_sumo.strategies.base import Demand, Percept, Phase, Strategy
+from aeb_sumo.targets import Targets
 from aeb_sumo.world.footpaths import Footpaths
 from aeb_sumo.world.friction import Friction
 from aeb_sumo.world.leads import Leads

@@ -6,9 +6,9 @@ from functools import reduce
 import numpy as np
 
 from aeb_sumo.fleet import Fleet, Target
-from aeb_sumo.lookout import Targets
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, put
 from aeb_sumo.strategies.base import Demand, Phase
+from aeb_sumo.targets import Targets
 
 __all__ = ["PAUSE", "Fleets"]
 

@@ -1,62 +1,27 @@
 """What each equipped vehicle reacts to: candidates from the world, tracked by its sensors, one target chosen."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from aeb_sumo.candidates import Candidates, Pairs
+from aeb_sumo.compiled import kernel
 from aeb_sumo.drivers.streams import number
 from aeb_sumo.perception.crossing import Approach, conflicting
+from aeb_sumo.perception.ideal import Views
+from aeb_sumo.perception.measurable import Measurable
 from aeb_sumo.perception.noise import Keys
 from aeb_sumo.perception.sensor import overlap
 from aeb_sumo.perception.suites import Suite
-from aeb_sumo.perception.tracking import Measurable, Tracks, track_init, track_settled, track_step
-from aeb_sumo.soa import Bools, Floats, Ints, find, first_of_each, joined, mask, put, take
+from aeb_sumo.perception.tracking import Tracks, track_init, track_settled, track_step
+from aeb_sumo.soa import Bools, Floats, Ints, find, joined, mask, put, take
 from aeb_sumo.strategies.base import Gaze
+from aeb_sumo.targets import Targets, choose
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import lateral_position
 
-__all__ = ["Lookout", "Targets"]
+__all__ = ["Lookout"]
 
 _NO_CONFLICT = -np.inf
 _NEAR_MISS = 6.0  # m, who will pass ahead at a greater lateral distance is no candidate, our assumption
-
-
-@dataclass(frozen=True)
-class Targets:
-    """What each equipped vehicle reacts to, (n,) each, as its sensors tell it; see `Percept`.
-
-    Attributes:
-        slot: of the target, -1 for none.
-        crossing: it crosses the own path.
-    """
-
-    slot: Ints
-    crossing: Bools
-    gap: Floats
-    speed: Floats
-    accel: Floats
-    ahead: Floats
-    left: Floats
-    closing_ahead: Floats
-    closing_left: Floats
-    vulnerable: Bools
-
-    @classmethod
-    def none(cls, n: int) -> "Targets":
-        """Nothing to react to, for `n` vehicles."""
-        return cls(
-            slot=np.full(n, -1, np.int64),
-            crossing=np.zeros(n, np.bool_),
-            gap=np.full(n, np.inf),
-            speed=np.zeros(n),
-            accel=np.zeros(n),
-            ahead=np.full(n, np.inf),
-            left=np.zeros(n),
-            closing_ahead=np.zeros(n),
-            closing_left=np.zeros(n),
-            vulnerable=np.zeros(n, np.bool_),
-        )
 
 
 class Lookout:
@@ -104,7 +69,7 @@ class Lookout:
             old = new & self._candidates.known(pairs)
             put(tracks, old, track_settled(self._suite, tracks.key[old], take(truth, old), self._traffic.dt))
         tracks = track_step(self._suite, tracks, truth, time=time, dt=self._traffic.dt)
-        known = tracks.motion(self._suite, truth, self._traffic.dt)
+        known = tracks.motion(truth, self._traffic.dt)
         if self._gaze is Gaze.RELATIVE_MOTION:
             nears = (known.distance > 0) & (known.closing > 0)
             rank = np.divide(known.distance, known.closing, out=np.full(len(conflict), np.inf), where=nears)
@@ -113,22 +78,21 @@ class Lookout:
         else:
             judged = pairs.crossing & pairs.candidate
             if judged.any():
-                dangerous = judged & tracks.watched(self._suite)
+                dangerous = judged & tracks.watched
                 locked = braking[pairs.ego] & (conflict >= 0)
                 dangerous[dangerous] = self._in_conflict(pairs, truth, known, locked, dangerous.nonzero()[0])
                 conflict = np.where(judged, self._lasting(conflict, dangerous), conflict)
             counts = ~pairs.crossing | (conflict >= self._suite.persist - self._traffic.dt / 2)
             rank = pairs.gap
         self._pairs, self._tracks, self._conflict = pairs, tracks, conflict
-        return self._chosen(pairs, truth, known, rank, tracks.confirmed & counts & pairs.candidate)
+        usable = tracks.confirmed & counts & pairs.candidate
+        return choose(self._traffic, pairs, truth, known, rank, usable, waiting=self._gaze is Gaze.PATH)
 
     def _numbers(self, pairs: Pairs) -> Ints:
         """One number per pair, which tells it from all others of the run."""
-        t = self._traffic
-        serials = t.serial[pairs.ego].astype(np.int64) * 2**32 + t.serial[pairs.other].astype(np.int64)
-        return np.where(pairs.crossing, -serials, serials)  # a lead may be crossing traffic as well
+        return _numbers(self._traffic.serial, pairs.ego, pairs.other, pairs.crossing)
 
-    def _followed(self, pairs: Pairs, rows: Ints) -> tuple[Pairs, Tracks, Floats, Bools]:
+    def _followed(self, pairs: Pairs, rows: Ints) -> tuple[Pairs, Tracks | Views, Floats, Bools]:
         """Pairs with their tracks and conflicts from the last step, where they were there then, and who was not.
 
         Added to them are those that were candidates a moment ago: a track does not end when SUMO pauses to name a lead.
@@ -136,11 +100,10 @@ class Lookout:
         """
         last, serials = self._pairs, self._numbers(pairs)
         at, known = find(serials, self._serials)
-        self._absent = np.where(last.candidate, 0.0, self._absent) + self._traffic.dt
-        gone = self._absent < self._suite.coast * self._suite.cycle + self._traffic.dt / 2
-        gone[at[known]] = False
-        if gone.any():
-            late = self._still_there(gone.nonzero()[0], rows)
+        span = self._suite.coast * self._suite.cycle + self._traffic.dt / 2
+        gone = _gone(last.candidate, self._absent, at, known, self._traffic.dt, span)
+        if len(gone):
+            late = self._still_there(gone, rows)
             pairs = joined(pairs, self._candidates.again(last.ego[late], last.other[late], last.crossing[late]))
             serials, at = np.append(serials, self._serials[late]), np.append(at, late)
             known = np.append(known, np.ones(len(late), np.bool_))
@@ -173,16 +136,13 @@ class Lookout:
     def _measurable(self, pairs: Pairs) -> Measurable:
         """The truth about the pairs, in the frame of the own front bumper."""
         t, ego, other, crossing = self._traffic, pairs.ego, pairs.other, pairs.crossing
-        heading, other_heading, accel = t.heading[ego], t.heading[other], t.accel[ego]
-        own_cos, own_sin = np.cos(heading), np.sin(heading)
-        # A lead is measured at its rear, crossing traffic at its middle.
-        behind = np.where(crossing, 0.5, 1.0) * t.length[other]
-        dx = t.x[other] - behind * np.cos(other_heading) - t.x[ego]
-        dy = t.y[other] - behind * np.sin(other_heading) - t.y[ego]
-        ahead, left = dx * own_cos + dy * own_sin, dy * own_cos - dx * own_sin
+        heading, other_heading = t.heading[ego], t.heading[other]
         turned = other_heading - heading
-        along, across = np.cos(turned), np.sin(turned)
-        speed, other_speed, other_accel = t.speed[ego], t.speed[other], t.accel[other]
+        distance, closing, closing_accel, ahead, left, closing_left, closing_left_accel, accel = _relative(
+            ego, other, crossing, pairs.gap, t.x, t.y, t.length, t.speed, t.accel,
+            np.cos(heading), np.sin(heading), np.cos(other_heading), np.sin(other_heading),
+            np.cos(turned), np.sin(turned),
+        )  # fmt: skip
         bearing = share = turn = np.zeros(len(ego))  # which ideal suites do not ask for
         if self._suite.sensors:
             # The part of a lead's rear that is nearest to the own axis is seen.
@@ -191,12 +151,12 @@ class Lookout:
             turn = np.where(crossing, heading - t.old_heading[ego], 0.0)
         return Measurable(
             in_view=pairs.in_view,
-            distance=np.where(crossing, ahead, pairs.gap),
-            closing=speed - other_speed * along,
-            closing_accel=accel - other_accel * along,
+            distance=distance,
+            closing=closing,
+            closing_accel=closing_accel,
             left=left,
-            closing_left=-other_speed * across,
-            closing_left_accel=-other_accel * across,
+            closing_left=closing_left,
+            closing_left_accel=closing_left_accel,
             bearing=bearing,
             overlap=share,
             own_accel=accel,
@@ -256,28 +216,50 @@ class Lookout:
             ahead_of=self._suite.ahead_of,
         )
 
-    def _chosen(
-        self, pairs: Pairs, truth: Measurable, known: Measurable, rank: Floats, usable: Bools
-    ) -> tuple[Ints, Targets]:
-        """For each vehicle the usable candidate of the lowest rank; a lead before a crossing one of the same."""
-        t, k = self._traffic, usable.nonzero()[0]
-        k = k[np.lexsort((pairs.crossing[k], rank[k], pairs.ego[k]))]
-        ego = pairs.ego[k]
-        k = k[first_of_each(ego)]
-        ego, other, crossing = pairs.ego[k], pairs.other[k], pairs.crossing[k]
-        # Only a system that knows paths waits for crossing traffic at the crossing, where it stands in the way.
-        waits = crossing & (self._gaze is Gaze.PATH)
-        ahead, closing = known.distance[k], known.closing[k]
-        error = ahead - truth.distance[k]
-        return ego, Targets(
-            slot=other,
-            crossing=crossing,
-            gap=np.where(waits, np.maximum(pairs.gap[k] + error, 0.0), ahead),
-            speed=np.where(waits, 0.0, t.speed[ego] - closing),
-            accel=np.where(waits, 0.0, t.accel[ego] - known.closing_accel[k]),
-            ahead=ahead,
-            left=known.left[k],
-            closing_ahead=closing,
-            closing_left=known.closing_left[k],
-            vulnerable=t.vulnerable[other],
-        )
+
+@kernel
+def _numbers(serial: Floats, ego: Ints, other: Ints, crossing: Bools) -> Ints:
+    result = np.empty(len(ego), np.int64)
+    for k in range(len(ego)):
+        both = int(serial[ego[k]]) * 2**32 + int(serial[other[k]])
+        result[k] = -both if crossing[k] else both  # a lead may be crossing traffic as well
+    return result
+
+
+@kernel
+def _gone(candidate: Bools, absent: Floats, at: Ints, known: Bools, dt: float, longest: float) -> Ints:
+    """Rows of the last step that are not among the pairs of this one, nor for long; `absent` is brought up to date."""
+    still = np.zeros(len(candidate), np.bool_)
+    for k in range(len(at)):
+        if known[k]:
+            still[at[k]] = True
+    rows, n = np.empty(len(candidate), np.int64), 0
+    for k in range(len(candidate)):
+        absent[k] = (0.0 if candidate[k] else absent[k]) + dt
+        if not still[k] and absent[k] < longest:
+            rows[n] = k
+            n += 1
+    return rows[:n]
+
+
+@kernel
+def _relative(
+    ego: Ints, other: Ints, crossing: Bools, gap: Floats, x: Floats, y: Floats, length: Floats, speed: Floats,
+    accel: Floats, own_cos: Floats, own_sin: Floats, other_cos: Floats, other_sin: Floats,
+    along: Floats, across: Floats,
+) -> tuple[Floats, ...]:  # fmt: skip
+    """Distance, closing speed and acceleration; ahead, left; closing speed and acceleration to the left; own one."""
+    n = len(ego)
+    distance, closing, closing_accel, ahead = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    left, closing_left, closing_left_accel, own = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    for k in range(n):
+        i, j = ego[k], other[k]
+        # A lead is measured at its rear, crossing traffic at its middle.
+        behind = (0.5 if crossing[k] else 1.0) * length[j]
+        dx, dy = x[j] - behind * other_cos[k] - x[i], y[j] - behind * other_sin[k] - y[i]
+        ahead[k], left[k] = dx * own_cos[k] + dy * own_sin[k], dy * own_cos[k] - dx * own_sin[k]
+        distance[k] = ahead[k] if crossing[k] else gap[k]
+        closing[k], closing_accel[k] = speed[i] - speed[j] * along[k], accel[i] - accel[j] * along[k]
+        closing_left[k], closing_left_accel[k] = -speed[j] * across[k], -accel[j] * across[k]
+        own[k] = accel[i]
+    return distance, closing, closing_accel, ahead, left, closing_left, closing_left_accel, own

@@ -1,4 +1,4 @@
-"""Structs of arrays: dataclasses whose fields all share their first axis, one row per vehicle."""
+"""Structs of arrays: dataclasses, without slots, whose fields all share their first axis, one row per vehicle."""
 
 from dataclasses import fields
 from functools import cache
@@ -6,6 +6,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from aeb_sumo.compiled import kernel
 
 __all__ = ["Bools", "Floats", "Ints", "find", "first_of_each", "fitted", "joined", "mask", "put", "take"]
 
@@ -18,21 +20,28 @@ S = TypeVar("S")
 
 def take(struct: S, rows: Ints | Bools) -> S:
     """A copy of some rows."""
-    rows = _numbers(rows)
-    return type(struct)(**{name: getattr(struct, name)[rows] for name in _names(struct)})
+    rows, values = _numbers(rows), vars(struct)
+    return _made(struct, {name: values[name][rows] for name in _names(struct)})
 
 
 def joined(one: S, two: S) -> S:
     """The rows of one, then those of the other."""
-    names = _names(one)
-    return type(one)(**{name: np.concatenate([getattr(one, name), getattr(two, name)]) for name in names})
+    first, second = vars(one), vars(two)
+    return _made(one, {name: np.concatenate((first[name], second[name])) for name in _names(one)})
 
 
 def put(struct: S, rows: Ints | Bools, values: S) -> None:
     """Write `values` into `rows` of `struct`, in place."""
-    rows = _numbers(rows)
+    rows, old, new = _numbers(rows), vars(struct), vars(values)
     for name in _names(struct):
-        getattr(struct, name)[rows] = getattr(values, name)
+        old[name][rows] = new[name]
+
+
+def _made(like: S, values: dict[str, NDArray[Any]]) -> S:
+    """Another of the same kind; what `dataclass` makes for a frozen one takes longer than the arrays in it."""
+    result: S = object.__new__(type(like))
+    vars(result).update(values)
+    return result
 
 
 def _names(struct: Any) -> tuple[str, ...]:
@@ -64,10 +73,18 @@ def find(keys: Ints, among: Ints) -> tuple[Ints, Bools]:
     """
     if not len(among):
         return np.zeros(len(keys), np.int64), np.zeros(len(keys), np.bool_)
+    return _find(keys, among)
+
+
+@kernel
+def _find(keys: Ints, among: Ints) -> tuple[Ints, Bools]:
     order = among.argsort()
     rising = among[order]
-    at = np.minimum(rising.searchsorted(keys), len(order) - 1)
-    return order[at], rising[at] == keys
+    at, known = np.empty(len(keys), np.int64), np.empty(len(keys), np.bool_)
+    for k in range(len(keys)):
+        j = min(int(np.searchsorted(rising, keys[k])), len(order) - 1)
+        at[k], known[k] = order[j], rising[j] == keys[k]
+    return at, known
 
 
 def first_of_each(rising: Ints) -> Bools:

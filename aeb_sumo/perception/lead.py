@@ -1,24 +1,31 @@
 """The vehicle ahead on the own path."""
 
+from math import sqrt
+
 import numpy as np
 
-from aeb_sumo.perception.sensor import covered
-from aeb_sumo.soa import Bools, Floats
+from aeb_sumo.compiled import kernel
+from aeb_sumo.perception.sensor import cosine_of_half
+from aeb_sumo.soa import Bools, Floats, Ints
 
 __all__ = ["sees_lead", "truly_ahead"]
+
+_SAME_WAY = 0.5  # cosine of 60 degrees
+_CHORD, _LONGER = 0.85, 1.5  # how much shorter than the gap a straight distance can be, and how much else [m]
+_TOUCHING = 2.0  # m, bumper to bumper the bearing means nothing
 
 
 def sees_lead(
     reach: float,
     field_of_view: float,
     *,
+    ego: Ints,
+    lead: Ints,
+    gap: Floats,
     x: Floats,
     y: Floats,
     heading: Floats,
-    gap: Floats,
-    rear_x: Floats,
-    rear_y: Floats,
-    lead_heading: Floats,
+    length: Floats,
 ) -> Bools:
     """Whether a lead that SUMO names is one that a sensor would see there.
 
@@ -30,17 +37,38 @@ def sees_lead(
     Args:
         reach: range of the ego's sensors [m].
         field_of_view: their full angle [deg].
-        x: (n,) front bumper of the ego [m].
-        y: (n,) front bumper of the ego [m].
-        heading: (n,) of the ego [rad].
+        ego: (n,) row of the ego in the arrays of all vehicles.
+        lead: (n,) row of the lead.
         gap: (n,) along the lanes, as SUMO gives it, bumper to bumper [m].
-        rear_x: (n,) rear bumper of the lead [m].
-        rear_y: (n,) rear bumper of the lead [m].
-        lead_heading: (n,) of the lead [rad].
+        x: (m,) front bumpers of all vehicles [m].
+        y: (m,) front bumpers of all vehicles [m].
+        heading: (m,) of all vehicles [rad].
+        length: (m,) of all vehicles [m].
+
+    Returns:
+        (n,) whether it counts.
     """
-    seen, distance = covered(reach, field_of_view, x=x, y=y, heading=heading, target_x=rear_x, target_y=rear_y)
-    touching = distance < 2.0  # bumper to bumper the bearing means nothing
-    return (seen | touching) & truly_ahead(distance=distance, gap=gap, turned=lead_heading - heading)
+    own, its = heading[ego], heading[lead]
+    return _sees_lead(
+        reach, cosine_of_half(field_of_view), ego, lead, gap, x, y, length,
+        np.cos(own), np.sin(own), np.cos(its), np.sin(its), np.cos(its - own),
+    )  # fmt: skip
+
+
+@kernel
+def _sees_lead(
+    reach: float, cosine: float, ego: Ints, lead: Ints, gap: Floats, x: Floats, y: Floats, length: Floats,
+    cos: Floats, sin: Floats, lead_cos: Floats, lead_sin: Floats, same_way: Floats,
+) -> Bools:  # fmt: skip
+    result = np.empty(len(ego), np.bool_)
+    for k in range(len(ego)):
+        i, j = ego[k], lead[k]
+        dx, dy = x[j] - length[j] * lead_cos[k] - x[i], y[j] - length[j] * lead_sin[k] - y[i]
+        distance = sqrt(dx * dx + dy * dy)
+        seen = dx * cos[k] + dy * sin[k] >= distance * cosine and distance <= reach
+        touching = distance < _TOUCHING
+        result[k] = (seen or touching) and _truly_ahead(distance, gap[k], same_way[k])
+    return result
 
 
 def truly_ahead(*, distance: Floats, gap: Floats, turned: Floats) -> Bools:
@@ -51,4 +79,9 @@ def truly_ahead(*, distance: Floats, gap: Floats, turned: Floats) -> Bools:
         gap: (n,) as in `sees_lead` [m].
         turned: (n,) its heading less the ego's [rad].
     """
-    return (np.cos(turned) > 0.5) & (distance <= gap + 1.5) & (distance >= 0.85 * gap - 1.5)
+    return (np.cos(turned) > _SAME_WAY) & (distance <= gap + _LONGER) & (distance >= _CHORD * gap - _LONGER)
+
+
+@kernel
+def _truly_ahead(distance: float, gap: float, same_way: float) -> bool:
+    return same_way > _SAME_WAY and distance <= gap + _LONGER and distance >= _CHORD * gap - _LONGER

@@ -10,7 +10,7 @@ from scipy.special import ndtr
 from aeb_sumo.errors import InputError
 from aeb_sumo.soa import Bools, Floats
 
-__all__ = ["Sensor", "covered", "detection", "overlap"]
+__all__ = ["Sensor", "cosine_of_half", "covered", "detection", "overlap"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,13 +63,13 @@ def covered(
     dx, dy = target_x - x, target_y - y
     distance = np.hypot(dx, dy)
     ahead = dx * np.cos(heading) + dy * np.sin(heading)
-    inside = ahead >= distance * _cosine_of_half(field_of_view)
+    inside = ahead >= distance * cosine_of_half(field_of_view)
     return inside & (distance <= reach), distance
 
 
 @cache
-def _cosine_of_half(angle: float) -> float:
-    """Of an angle [deg]."""
+def cosine_of_half(angle: float) -> float:
+    """Cosine of half an angle [deg]."""
     return float(np.cos(np.radians(angle / 2)))
 
 

@@ -5,14 +5,15 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from aeb_sumo.kalman import Gaussian, predict, update
+from aeb_sumo.perception.ideal import UNSEEN, Views, seen_for
+from aeb_sumo.perception.measurable import Measurable
 from aeb_sumo.perception.noise import Keys, normals, uniforms
 from aeb_sumo.perception.sensor import detection
 from aeb_sumo.perception.suites import Suite
 from aeb_sumo.soa import Bools, Floats, Ints
 
-__all__ = ["Measurable", "Tracks", "track_init", "track_settled", "track_step"]
+__all__ = ["Tracks", "track_init", "track_settled", "track_step"]
 
-_UNSEEN = -np.inf
 _ACROSS = 2.0  # m/s2 within a second, lateral manoeuvres that the tracker expects, our assumption
 # Standard deviations of a track at its first detection [m, m/s, m/s2], our assumption.
 _FIRST_ALONG = np.array([5.0, 10.0, 3.0])
@@ -23,37 +24,6 @@ _SETTLED_ACCEL = 0.5
 _DISTANCE = np.array([1.0, 0.0, 0.0])
 _RATE = np.array([0.0, 1.0, 0.0])
 _LEFT = np.array([1.0, 0.0])
-
-
-@dataclass(frozen=True)
-class Measurable:
-    """What there is to be measured of each target, (n,) each: the truth.
-
-    Attributes:
-        in_view: the geometry lets a sensor see it.
-        distance: to its near side, along the own path or straight ahead [m].
-        closing: speed at which that shrinks [m/s].
-        closing_accel: how fast that speed grows [m/s2].
-        left: lateral position in the own frame [m].
-        closing_left: own lateral velocity less the target's [m/s].
-        closing_left_accel: how fast that grows [m/s2].
-        bearing: of what can be seen of it, from straight ahead, >= 0 [rad].
-        overlap: share of its width in the own width, 0 to 1.
-        own_accel: own acceleration in the last step, which the vehicle knows [m/s2].
-        turn: how far the own frame has turned to the left in the last step [rad]; 0 where distance is along a path.
-    """
-
-    in_view: Bools
-    distance: Floats
-    closing: Floats
-    closing_accel: Floats
-    left: Floats
-    closing_left: Floats
-    closing_left_accel: Floats
-    bearing: Floats
-    overlap: Floats
-    own_accel: Floats
-    turn: Floats
 
 
 _TURN = [f.name for f in fields(Measurable)].index("turn")
@@ -85,19 +55,17 @@ class Tracks:
     across_cov: Floats
     past: Floats
 
-    def watched(self, suite: Suite) -> Bools:
-        """(n,) there is something to judge: it is in view (ideal suites), or has been detected of late."""
-        result: Bools = (self.history != 0) if suite.sensors else (self.seen >= 0)
+    @property
+    def watched(self) -> Bools:
+        """(n,) there is something to judge: it has been detected of late."""
+        result: Bools = self.history != 0
         return result
 
-    def motion(self, suite: Suite, truth: Measurable, dt: float) -> Measurable:
-        """What the vehicle takes for true: the truth for ideal suites, else the estimates.
+    def motion(self, truth: Measurable, dt: float) -> Measurable:
+        """The estimates, brought to the present.
 
-        The estimates are brought to the present, moved on and turned with the own frame: the latency is a whole number
-        of steps of `dt` [s].
+        They are moved on and turned with the own frame: the latency is a whole number of steps of `dt` [s].
         """
-        if not suite.sensors:
-            return truth
         t = self.past.shape[1] * dt
         turn = np.nansum(self.past[:, :, _TURN], axis=1)
         distance, rate, accel = self.along.T
@@ -120,12 +88,14 @@ class Tracks:
         )
 
 
-def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks:
-    """Tracks of pairs that have not been seen yet."""
+def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks | Views:
+    """Memory of pairs that have not been seen yet: `Views` of an ideal suite, or `Tracks`."""
     n = len(keys)
+    if not suite.sensors:
+        return Views(key=keys, seen=np.full(n, UNSEEN), confirmed=np.zeros(n, np.bool_))
     return Tracks(
         key=keys,
-        seen=np.full(n, _UNSEEN),
+        seen=np.full(n, UNSEEN),
         history=np.zeros(n, np.uint64),
         confirmed=np.zeros(n, np.bool_),
         along=np.zeros((n, 3)),
@@ -136,15 +106,15 @@ def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks:
     )
 
 
-def track_settled(suite: Suite, keys: Keys, truth: Measurable, dt: float) -> Tracks:
+def track_settled(suite: Suite, keys: Keys, truth: Measurable, dt: float) -> Tracks | Views:
     """Tracks of targets that have been followed for long, as before the present step: confirmed, and well known.
 
     They are known as well as one measurement of the best sensor shows. What none of the sensors would
     detect in every second frame where it is now has no track yet.
     """
     tracks = track_init(suite, keys, dt)
-    seen = np.where(truth.in_view, suite.persist, _UNSEEN)
-    if not suite.sensors:
+    seen = np.where(truth.in_view, suite.persist, UNSEEN)
+    if isinstance(tracks, Views):
         return replace(tracks, seen=seen)
     clear = np.zeros(len(keys), np.bool_)
     for sensor in suite.sensors:
@@ -184,15 +154,15 @@ def _earlier(truth: Measurable, age: float) -> Measurable:
     )
 
 
-def track_step(suite: Suite, tracks: Tracks, truth: Measurable, *, time: float, dt: float) -> Tracks:
+def track_step(suite: Suite, tracks: Tracks | Views, truth: Measurable, *, time: float, dt: float) -> Tracks | Views:
     """One step of `dt` [s] that ends at `time` [s]: detect, confirm, filter.
 
     An ideal suite confirms what has been in view for `Suite.persist`. Any other takes the frames that fall into the
     step; in each, every sensor detects with the probability of `detection` or not at all, and measures with noise.
     """
-    seen = np.where(truth.in_view, np.where(tracks.seen < 0, 0.0, tracks.seen + dt), _UNSEEN)
-    if not suite.sensors:
-        return replace(tracks, seen=seen, confirmed=seen >= suite.persist - dt / 2)
+    seen = seen_for(tracks.seen, truth.in_view, dt)
+    if isinstance(tracks, Views):
+        return Views(key=tracks.key, seen=seen, confirmed=seen >= suite.persist - dt / 2)
     truth, past = _delayed(tracks.past, truth)
     tracks = _predicted(_turned(replace(tracks, seen=seen, past=past), truth.turn), suite, truth.own_accel, dt)
     # Every vehicle's frames have a phase of their own.

@@ -10,8 +10,9 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from aeb_sumo.kalman import Gaussian, predict, update
+from aeb_sumo.perception.measurable import Measurable
 from aeb_sumo.perception.suites import suite
-from aeb_sumo.perception.tracking import Measurable, track_init, track_step
+from aeb_sumo.perception.tracking import track_init, track_step
 from aeb_sumo.vehicle.friction import TIE, FrictionParams, friction_init, friction_step, jacobian, reference_filter
 
 N = 1000

@@ -60,8 +60,9 @@ def test_paths_side_by_side_or_one_behind_the_other_do_not_cross():
 
 
 def lead(gap=20.0, rear_x=20.0, rear_y=0.0, lead_heading=0.0):
-    given = {"x": 0.0, "y": 0.0, "heading": 0.0, "gap": gap, "rear_x": rear_x, "rear_y": rear_y}
-    return sees_lead(150.0, 70.0, **{k: np.array([v]) for k, v in (given | {"lead_heading": lead_heading}).items()})[0]
+    ends = {"x": np.array([0.0, rear_x]), "y": np.array([0.0, rear_y]), "heading": np.array([0.0, lead_heading])}
+    rows = {"ego": np.array([0]), "lead": np.array([1]), "gap": np.array([gap])}
+    return sees_lead(150.0, 70.0, **rows, **ends, length=np.zeros(2))[0]
 
 
 def test_lead():

@@ -8,10 +8,11 @@ from filterpy.kalman import KalmanFilter
 
 from aeb_sumo.errors import InputError
 from aeb_sumo.kalman import Gaussian, predict, update
+from aeb_sumo.perception.measurable import Measurable
 from aeb_sumo.perception.noise import normals, uniforms
 from aeb_sumo.perception.sensor import detection, overlap
 from aeb_sumo.perception.suites import RADAR, SUITES, suite
-from aeb_sumo.perception.tracking import Measurable, track_init, track_settled, track_step
+from aeb_sumo.perception.tracking import track_init, track_settled, track_step
 
 DT = 0.01
 
@@ -74,7 +75,7 @@ def test_an_ideal_suite_confirms_after_its_time_and_tells_the_truth():
     for k in range(4):
         tracks = track_step(ideal, tracks, seen, time=0.1 * k, dt=0.1)
         assert tracks.confirmed[0] == (k >= 2), "0.2 s after the first sight"
-        assert tracks.motion(ideal, seen, 0.1) is seen
+        assert tracks.motion(seen, 0.1) is seen
     assert not track_step(ideal, tracks, truth([30.0], 5.0, in_view=False), time=0.5, dt=0.1).confirmed[0]
 
 
@@ -113,7 +114,7 @@ def test_a_track_is_lost_when_it_is_not_detected_for_long_enough():
 
 def test_estimates_are_near_the_truth():
     _, tracks = approach(suite("fusion"), n=500)
-    known = tracks.motion(suite("fusion"), truth(np.full(500, 1.0), 5.556), DT)
+    known = tracks.motion(truth(np.full(500, 1.0), 5.556), DT)
     assert np.abs(known.distance - 1.0).mean() < 0.1
     assert np.abs(known.closing - 5.556).mean() < 0.1
 
@@ -121,7 +122,7 @@ def test_estimates_are_near_the_truth():
 def test_latency_is_extrapolated_away():
     late = replace(suite("radar"), latency=0.1)
     _, tracks = approach(late, n=300)
-    known = tracks.motion(late, truth(np.full(300, 1.0), 5.556), DT)
+    known = tracks.motion(truth(np.full(300, 1.0), 5.556), DT)
     assert abs(tracks.along[:, 0].mean() - 1.0) > 0.4, "what was measured is old"
     assert abs(known.distance.mean() - 1.0) < 0.1
 
@@ -136,7 +137,7 @@ def test_a_car_that_turns_knows_where_a_standing_target_is(latency):
         ahead, left = 20 * np.cos(angle) + 5 * np.sin(angle), 5 * np.cos(angle) - 20 * np.sin(angle)
         seen = replace(truth(np.full(n, ahead), 0.0), left=np.full(n, left), turn=np.full(n, rate * DT))
         tracks = track_step(sensors, tracks, seen, time=DT * (k + 1), dt=DT)
-    known = tracks.motion(sensors, seen, DT)
+    known = tracks.motion(seen, DT)
     assert abs(known.left.mean() - left) < 0.05
     assert abs(known.distance.mean() - ahead) < 0.05
 
@@ -152,7 +153,7 @@ def test_own_braking_is_known_and_not_taken_for_the_targets(latency):
         gap, closing = gap - closing * DT + braking * DT**2 / 2, closing - braking * DT
         seen = replace(truth(np.full(n, gap), closing), own_accel=np.full(n, -braking))
         tracks = track_step(sensors, tracks, seen, time=DT * (k + 1), dt=DT)
-    known = tracks.motion(sensors, seen, DT)
+    known = tracks.motion(seen, DT)
     assert abs(known.closing.mean() - closing) < 0.1
     assert abs(known.distance.mean() - gap) < 0.1
 
@@ -211,7 +212,7 @@ def test_a_settled_track_counts_at_once_and_knows_what_measurements_show(name):
     now = truth(np.full(n, 40.0), 10.0)
     tracks = track_step(eyes, track_settled(eyes, keys, now, dt), now, time=20.0, dt=dt)
     assert tracks.confirmed.all()
-    known = tracks.motion(eyes, now, dt)
+    known = tracks.motion(now, dt)
     assert np.abs(known.distance - 40.0).mean() < 0.15
     assert np.abs(known.closing - 10.0).mean() < 0.15
 
