@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.soa import Bools, Floats, Ints
 
 __all__ = ["NOBODY", "Screens", "diagonals", "hidden"]
@@ -76,36 +77,36 @@ def hidden(lines: Floats, ends: Ints, screens: Screens) -> Bools:
     Returns:
         (k,) crossed.
     """
+    return _hidden(lines, ends, screens.pieces, screens.owner, screens.middle, screens.spread)
+
+
+@kernel
+def _hidden(lines: Floats, ends: Ints, pieces: Floats, owner: Ints, middle: Floats, spread: float) -> Bools:
     result = np.zeros(len(lines), np.bool_)
-    line, screen = _near(lines, screens)
-    owner = screens.owner[screen]
-    others = (owner == NOBODY) | ((owner != ends[line, 0]) & (owner != ends[line, 1]))
-    line, screen = line[others], screen[others]
-    result[line[_cross(lines[line], screens.pieces[screen])]] = True
+    for k in range(len(lines)):
+        x, y, to_x, to_y = lines[k]
+        # Only screens whose bounding box overlaps the line's may cross it.
+        first = int(np.searchsorted(middle, min(x, to_x) - spread))
+        for j in range(first, len(middle)):
+            if middle[j] > max(x, to_x) + spread:
+                break
+            if owner[j] != NOBODY and (owner[j] == ends[k, 0] or owner[j] == ends[k, 1]):
+                continue
+            one, other = pieces[j, 1], pieces[j, 3]
+            if min(one, other) <= max(y, to_y) and max(one, other) >= min(y, to_y) and _cross(lines[k], pieces[j]):
+                result[k] = True
+                break
     return result
 
 
-def _near(lines: Floats, screens: Screens) -> tuple[Ints, Ints]:
-    """Lines and screens, as rows, whose bounding boxes overlap: only these may cross."""
-    west, east = np.minimum(lines[:, 0], lines[:, 2]), np.maximum(lines[:, 0], lines[:, 2])
-    first = np.searchsorted(screens.middle, west - screens.spread, side="left")
-    many = np.searchsorted(screens.middle, east + screens.spread, side="right") - first
-    line = np.repeat(np.arange(len(lines)), many)
-    screen = np.arange(len(line)) + np.repeat(first - (np.cumsum(many) - many), many)
-    south, north = np.minimum(lines[:, 1], lines[:, 3]), np.maximum(lines[:, 1], lines[:, 3])
-    one, other = screens.pieces[:, 1], screens.pieces[:, 3]
-    near = (np.minimum(one, other)[screen] <= north[line]) & (np.maximum(one, other)[screen] >= south[line])
-    return line[near], screen[near]
-
-
-def _cross(a: Floats, b: Floats) -> Bools:
-    """Whether two straight pieces, (n, 4) each, have a point in common, pairwise; parallel ones have none."""
-    ax, ay, bx, by = a[:, 2] - a[:, 0], a[:, 3] - a[:, 1], b[:, 2] - b[:, 0], b[:, 3] - b[:, 1]
-    dx, dy = b[:, 0] - a[:, 0], b[:, 1] - a[:, 1]
+@kernel
+def _cross(a: Floats, b: Floats) -> bool:
+    """Whether two straight pieces, (4,) each, have a point in common; parallel ones have none."""
+    ax, ay, bx, by = a[2] - a[0], a[3] - a[1], b[2] - b[0], b[3] - b[1]
+    dx, dy = b[0] - a[0], b[1] - a[1]
     area = ax * by - ay * bx
     # How far along either piece the common point is, as a share times `area`.
     along_a, along_b = dx * by - dy * bx, dx * ay - dy * ax
-    sign = np.sign(area)
-    along_a, along_b, area = along_a * sign, along_b * sign, np.abs(area)
-    result: Bools = (area > 0) & (along_a >= 0) & (along_a <= area) & (along_b >= 0) & (along_b <= area)
-    return result
+    if area < 0:
+        along_a, along_b, area = -along_a, -along_b, -area
+    return bool(area > 0 and 0 <= along_a <= area and 0 <= along_b <= area)
