@@ -15,12 +15,34 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 from numba import njit
+from numba.core import event
 
-__all__ = ["kernel"]
+__all__ = ["announce", "kernel"]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kernel(function: F) -> F:
     """Compile a function at its first call; divisions by zero give `inf` and nan, as in NumPy."""
-    return cast("F", njit(cache=True, error_model="numpy")(function))
+    try:
+        return cast("F", njit(cache=True, error_model="numpy")(function))
+    except RuntimeError:  # nowhere to keep it: neither beside the source nor in a folder of the user's
+        return cast("F", njit(error_model="numpy")(function))
+
+
+def announce(say: Callable[[], None]) -> None:
+    """Call `say` once, before the first kernel that this process has to compile."""
+    event.register("numba:compile", _Once(say))
+
+
+class _Once(event.Listener):  # type: ignore[misc]
+    def __init__(self, say: Callable[[], None]) -> None:
+        self._say: Callable[[], None] | None = say
+
+    def on_start(self, _: Any) -> None:
+        if self._say is not None:
+            self._say()
+        self._say = None
+
+    def on_end(self, _: Any) -> None:
+        pass

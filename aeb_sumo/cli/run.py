@@ -5,6 +5,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -19,6 +20,7 @@ from aeb_sumo import scenarios, strategies
 from aeb_sumo.ceilings import ceilings
 from aeb_sumo.cli.options import new_folder, scenario_options, system_options
 from aeb_sumo.cli.show import print_frame, print_pairs, print_summary
+from aeb_sumo.compiled import announce
 from aeb_sumo.drivers import profile
 from aeb_sumo.equipment import Equipment, equipment
 from aeb_sumo.errors import InputError
@@ -197,6 +199,11 @@ def _interruptible() -> Iterator[Callable[[], bool]]:
         signal.signal(signal.SIGINT, before)
 
 
+@cache
+def _announce_compiling() -> None:
+    announce(lambda: click.echo("aeb-sumo: compiling for this machine, once: about half a minute", err=True))
+
+
 @contextmanager
 def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[Step], None] | None]:
     if quiet or not console.is_terminal:
@@ -209,6 +216,7 @@ def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[St
         TimeRemainingColumn(),
     )
     # No thread that refreshes: a world is forked with one thread only.
+    _announce_compiling()
     with Progress(*columns, console=console, auto_refresh=False) as bar:
         task = bar.add_task(name, total=None, note="starting SUMO")
         drawn = 0.0

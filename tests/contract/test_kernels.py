@@ -1,5 +1,8 @@
 import pkgutil
+import subprocess
+import sys
 from importlib import import_module
+from pathlib import Path
 
 import pytest
 from numba.core.dispatcher import Dispatcher
@@ -39,3 +42,17 @@ def test_a_kernel_leaves_transcendental_functions_to_numpy(kernel):
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_a_kernel_is_kept_from_one_process_to_the_next(kernel):
     assert type(kernel._cache).__name__ == "FunctionCache"
+
+
+def test_compiling_is_announced_once_and_a_kept_kernel_is_not(tmp_path, monkeypatch):
+    (tmp_path / "some_kernels.py").write_text(
+        "from aeb_sumo.compiled import announce, kernel\n"
+        "announce(lambda: print('compiling'))\n"
+        "@kernel\ndef half(x):\n    return x / 2\n"
+        "@kernel\ndef twice(x):\n    return 2 * x\n"
+        "print(half(3.0), twice(3.0))\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(Path(aeb_sumo.__file__).parents[1]))
+    command = [sys.executable, "-c", "import some_kernels"]
+    said = [subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True) for _ in range(2)]
+    assert [each.stdout for each in said] == ["compiling\n1.5 6.0\n", "1.5 6.0\n"]
