@@ -32,10 +32,10 @@ def kernel(function: F) -> F:
 
 def announce(say: Callable[[], None]) -> None:
     """Call `say` once, before the first kernel that this process has to compile."""
-    event.register("numba:compile", _Once(say))
+    event.register("numba:compile", _Once(say))  # type: ignore[no-untyped-call]
 
 
-class _Once(event.Listener):  # type: ignore[misc]
+class _Once(event.Listener):
     def __init__(self, say: Callable[[], None]) -> None:
         self._say: Callable[[], None] | None = say
 

@@ -78,6 +78,7 @@ class Fleet:
         self._next: Floats = np.zeros(0)  # when that is [s]
         self._begun: Floats = np.zeros(0)  # and when it began to work [s]
         self.equipped: Bools = np.zeros(0, np.bool_)
+        self._off: Bools = np.zeros(0, np.bool_)  # disabled, and reset since
         self.decel: Floats = np.zeros(0)
         self._last_phase: Ints = np.zeros(0, np.int64)
         self._aimed: Floats = np.zeros(0)  # serial number of the last target
@@ -91,6 +92,7 @@ class Fleet:
         self.fit()
         self.equipped[slot] = equipped
         self._reset(np.array([slot]))
+        self._off[slot] = False
         self._begun[slot] = time
         if equipped:
             self.grip.depart(slot)
@@ -98,7 +100,7 @@ class Fleet:
     def leave(self, slot: int) -> None:
         """A vehicle is gone."""
         self.equipped[slot] = False
-        self._reset(np.array([slot]))
+        self.decel[slot] = 0.0
 
     def step(self, time: float, disabled: Bools) -> None:
         """From the state just observed to `demand` and `decel` for the coming step.
@@ -109,7 +111,7 @@ class Fleet:
         """
         t = self._traffic
         self.fit()
-        rows, off = _at_work(self.equipped, disabled, t.here, t.followed_at, t.step)
+        rows, off = _at_work(self.equipped, disabled, self._off, t.here, t.followed_at, t.step)
         if len(off):
             self._reset(off)
         self.decel.fill(0.0)
@@ -247,7 +249,7 @@ class Fleet:
         n = self._traffic.capacity
         if n == self._capacity:
             return False
-        for name in ("equipped", "decel", "_aimed", "_aimed_gap", "_last_phase", "_next", "_begun"):
+        for name in ("equipped", "_off", "decel", "_aimed", "_aimed_gap", "_last_phase", "_next", "_begun"):
             setattr(self, name, fitted(getattr(self, name), n))
         old = np.arange(self._capacity)
         for name, grown in (
@@ -263,20 +265,23 @@ class Fleet:
 
 
 @kernel
-def _at_work(equipped: Bools, disabled: Bools, here: Bools, followed_at: Ints, step: int) -> tuple[Ints, Ints]:
-    """Slots of those whose system works and who are followed in this step, and of those whose system is disabled."""
-    rows, off = np.empty(len(equipped), np.int64), np.empty(len(equipped), np.int64)
+def _at_work(
+    equipped: Bools, disabled: Bools, off: Bools, here: Bools, followed_at: Ints, step: int
+) -> tuple[Ints, Ints]:
+    """Slots of those whose system works and who are followed in this step, and of those that are newly `off`."""
+    rows, newly = np.empty(len(equipped), np.int64), np.empty(len(equipped), np.int64)
     works, broken = 0, 0
     for slot in range(len(equipped)):
         if not equipped[slot]:
             continue
         if disabled[slot]:
-            off[broken] = slot
-            broken += 1
+            if not off[slot]:
+                off[slot], newly[broken] = True, slot
+                broken += 1
         elif here[slot] and followed_at[slot] == step:
             rows[works] = slot
             works += 1
-    return rows[:works], off[:broken]
+    return rows[:works], newly[:broken]
 
 
 @kernel

@@ -215,8 +215,8 @@ def _progress(console: Console, name: str, quiet: bool) -> Iterator[Callable[[St
         TextColumn("{task.fields[note]}"),
         TimeRemainingColumn(),
     )
-    # No thread that refreshes: a world is forked with one thread only.
     _announce_compiling()
+    # No thread that refreshes: a world is forked with one thread only.
     with Progress(*columns, console=console, auto_refresh=False) as bar:
         task = bar.add_task(name, total=None, note="starting SUMO")
         drawn = 0.0
