@@ -208,7 +208,7 @@ def _soon(
     speed: Floats,
     accel: Floats,
 ) -> tuple[Ints, Ints, Floats, Floats, Floats, Floats, Floats]:
-    """Of crossings (n,) those that matter: key, slots, zone as in `Pairs`, (k, 2) ways in and out, speeds, and accels."""
+    """Of crossings (n,) those that matter: key, slots, zone as in `Pairs`, (k, 2) ways in and out, and motion."""
     rows = np.empty(len(ego), np.int64)
     n = 0
     for k in range(len(ego)):
