@@ -10,7 +10,7 @@ import numpy as np
 
 from aeb_sumo.compiled import kernel
 from aeb_sumo.criticality import EVASIVE, EXPOSED, pet, time_below
-from aeb_sumo.ledger.encounters import NOBODY, THREAT, Pairs, crossing, following
+from aeb_sumo.ledger.encounters import NOBODY, THREAT, crossing, following
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.soa import Bools, Floats, Ints, find, joined, take
 from aeb_sumo.units import G
@@ -119,11 +119,18 @@ class Conflicts:
             pairs = joined(pairs, crossing(t, crossings, wrecked))
         self.pairs, self.hard = pairs, np.zeros((len(pairs.key), 2), np.bool_)
         if len(pairs.key):
-            at = self._rows_of(pairs, time, equipped)
+            rows, known = find(pairs.key, self._open["key"])
+            if not known.all():
+                before, new = len(self._open), ~known
+                rows[new] = before + np.arange(new.sum())
+                self._open = np.concatenate([self._open, np.zeros(new.sum(), _OPEN)])
+                _begin(self._open, before, rows, time, pairs.key, pairs.slots, pairs.second, equipped, t.x, t.y)
             exposed = time_below(pairs.ttc, EXPOSED, dt=t.dt)
             measures = pairs.gap, pairs.ttc, pairs.ttc2, pairs.drac, pairs.required, exposed
             who = pairs.slots, pairs.second, pairs.threat, pairs.zone
-            for k in _note(self._open, at, time, *who, measures, self._evasive, self.hard, wrecked, t.accel, t.x, t.y):
+            for k in _note(
+                self._open, rows, time, *who, measures, self._evasive, self.hard, wrecked, t.accel, t.x, t.y
+            ):
                 self._note_errors(int(pairs.key[k]), *pairs.slots[k].tolist())
         o = self._open
         across = o["slots"][o["key"] < 0].ravel()
@@ -135,23 +142,6 @@ class Conflicts:
         """The run ends."""
         self._close(np.ones(len(self._open), np.bool_))
 
-    def _rows_of(self, pairs: Pairs, time: float, equipped: Bools) -> Ints:
-        """Where the pairs are among the open encounters; those that are not there yet begin."""
-        at, known = find(pairs.key, self._open["key"])
-        if not known.all():
-            new = (~known).nonzero()[0]
-            at[new] = len(self._open) + np.arange(len(new))
-            fresh = np.zeros(len(new), _OPEN)
-            for name in ("key", "slots"):
-                fresh[name] = getattr(pairs, name)[new]
-            for name in ("min_gap", "min_ttc", "min_ttc2", "enter", "leave"):
-                fresh[name] = np.inf
-            t, slots = self._traffic, fresh["slots"]
-            fresh["begin"], fresh["equipped"], fresh["worst"] = time, equipped[slots], pairs.second[new]
-            fresh["where"][:, ::2], fresh["where"][:, 1::2] = t.x[slots], t.y[slots]
-            self._open = np.concatenate([self._open, fresh])
-        return at
-
     def _note_errors(self, key: int, one: int, other: int) -> None:
         """In what error the two of an encounter are when it is at its worst."""
         made = self._errors.setdefault(key, ["", ""])
@@ -161,51 +151,78 @@ class Conflicts:
         """End encounters; rows for those that came to matter."""
         if not over.any():
             return
-        o = self._open[over].view(np.recarray)
+        closed = self._open[over].tolist()
         self._open = self._open[~over]
-        crosses = o.key < 0
-        row, known = np.arange(len(o)), np.isfinite(o.enter).any(1)
-        ego = np.where(crosses & known, np.argmax(o.enter, 1), o.worst)
-        gap = pet(leave=o.leave[row, 1 - ego], enter=o.enter[row, ego])
-        hardest = np.where(crosses, o.max_decel.max(1), o.max_decel[:, 0])
-        near = hardest > self._evasive
-        matters = near | np.where(crosses, (gap < _PET) | (o.min_ttc < EXPOSED), o.min_ttc < THREAT)
         t = self._traffic
-        for k in range(len(o)):
-            errors = self._errors.pop(int(o.key[k]), ["", ""])
-            if not (matters[k] or crashed):
+        for values in closed:
+            o = dict(zip(_OPEN.names or (), values, strict=True))
+            errors = self._errors.pop(o["key"], ["", ""])
+            crosses, enter, e, gap = o["key"] < 0, o["enter"], o["worst"], np.inf
+            if crosses and np.isfinite(enter).any():
+                e = int(np.argmax(enter))
+                gap = float(pet(leave=o["leave"][1 - e], enter=enter[e]))
+            hardest = max(o["max_decel"]) if crosses else o["max_decel"][0]
+            near = bool(hardest > self._evasive)
+            critical = gap < _PET or o["min_ttc"] < EXPOSED if crosses else o["min_ttc"] < THREAT
+            if not (near or critical or crashed):
                 continue
-            e = int(ego[k])
-            one, other = o.slots[k, e], o.slots[k, 1 - e]
+            one, other = o["slots"][e], o["slots"][1 - e]
             booked: dict[str, Any] = {
                 "conflict_id": len(self.rows),
-                "kind": "crossing" if crosses[k] else "following",
+                "kind": "crossing" if crosses else "following",
                 "ego": t.ids[one],
                 "other": t.ids[other],
                 "ego_vclass": t.vclass[one],
                 "other_vclass": t.vclass[other],
-                "ego_equipped": bool(o.equipped[k, e]),
-                "other_equipped": bool(o.equipped[k, 1 - e]),
-                "begin_s": o.begin[k],
-                "end_s": o.seen[k],
-                "min_ttc_s": o.min_ttc[k],
-                "min_ttc2_s": o.min_ttc2[k],
-                "max_drac_mps2": o.max_drac[k],
-                "max_required_decel_mps2": o.max_required[k],
-                "min_gap_m": o.min_gap[k],
-                "pet_s": float(gap[k]) if np.isfinite(gap[k]) and not crashed else None,
-                "exposed_s": o.exposed[k],
-                "max_decel_mps2": o.max_decel[k, e],
-                "near_crash": bool(near[k] and not crashed),
+                "ego_equipped": bool(o["equipped"][e]),
+                "other_equipped": bool(o["equipped"][1 - e]),
+                "begin_s": o["begin"],
+                "end_s": o["seen"],
+                "min_ttc_s": o["min_ttc"],
+                "min_ttc2_s": o["min_ttc2"],
+                "max_drac_mps2": o["max_drac"],
+                "max_required_decel_mps2": o["max_required"],
+                "min_gap_m": o["min_gap"],
+                "pet_s": gap if np.isfinite(gap) and not crashed else None,
+                "exposed_s": o["exposed"],
+                "max_decel_mps2": o["max_decel"][e],
+                "near_crash": near and not crashed,
                 "crashed": crashed,
-                "secondary": bool(o.secondary[k]),
+                "secondary": o["secondary"],
                 "ego_error": errors[e],
                 "other_error": errors[1 - e],
-                "x_m": o.where[k, 2 * e],
-                "y_m": o.where[k, 2 * e + 1],
+                "x_m": o["where"][2 * e],
+                "y_m": o["where"][2 * e + 1],
             }
             self.rows.append(booked)
             self.ended += [] if crashed else [booked]
+
+
+@kernel
+def _begin(
+    encounters: Any,
+    before: int,
+    rows: Ints,
+    time: float,
+    key: Ints,
+    slots: Ints,
+    second: Ints,
+    equipped: Bools,
+    x: Floats,
+    y: Floats,
+) -> None:
+    """The pairs whose rows among the encounters were not there before."""
+    for k in range(len(rows)):
+        if rows[k] < before:
+            continue
+        o = encounters[rows[k]]
+        o.key, o.begin, o.worst = key[k], time, second[k]
+        o.min_gap = o.min_ttc = o.min_ttc2 = np.inf
+        for column in range(2):
+            slot = slots[k, column]
+            o.slots[column], o.equipped[column] = slot, equipped[slot]
+            o.enter[column] = o.leave[column] = np.inf
+            o.where[2 * column], o.where[2 * column + 1] = x[slot], y[slot]
 
 
 @kernel
