@@ -132,11 +132,10 @@ class Conflicts:
                 self._open, rows, time, *who, measures, self._evasive, self.hard, wrecked, t.accel, t.x, t.y
             ):
                 self._note_errors(int(pairs.key[k]), *pairs.slots[k].tolist())
-        o = self._open
-        across = o["slots"][o["key"] < 0].ravel()
-        if len(across):
-            t.read(across[t.here[across]])
-        self._close(_go_on(o, time, t.dt, t.speed, t.old_speed, t.length, t.here, wrecked))
+        approaching = _approaching(self._open, t.here)
+        if len(approaching):
+            t.read(approaching)
+        self._close(_go_on(self._open, time, t.dt, t.speed, t.old_speed, t.length, t.here, wrecked))
 
     def close_all(self) -> None:
         """The run ends."""
@@ -274,6 +273,19 @@ def _note(
 
 
 @kernel
+def _approaching(encounters: Any, here: Bools) -> Ints:
+    """Slots of those that have not left yet where the paths cross."""
+    slots = np.empty(2 * len(encounters), np.int64)
+    n = 0
+    for o in encounters:
+        for column in range(2):
+            if o.key < 0 and np.isinf(o.leave[column]) and here[o.slots[column]]:
+                slots[n] = o.slots[column]
+                n += 1
+    return slots[:n]
+
+
+@kernel
 def _go_on(
     encounters: Any,
     time: float,
@@ -292,6 +304,8 @@ def _go_on(
         over[k] = time - o.seen > _PAUSE
         if o.key < 0:
             for column in range(2):
+                if np.isfinite(o.leave[column]):
+                    continue
                 slot = o.slots[column]
                 pace = (speed[slot] + old_speed[slot]) / 2
                 if o.seen < time:
@@ -300,7 +314,7 @@ def _go_on(
                 inside, outside = -o.zone[2 * column], -o.zone[2 * column + 1] - length[slot]
                 if inside >= 0 and np.isinf(o.enter[column]):
                     o.enter[column] = time - min(inside / pace if pace > 0 else 0.0, dt)
-                if outside >= 0 and np.isinf(o.leave[column]):
+                if outside >= 0:
                     o.leave[column] = time - min(outside / pace if pace > 0 else 0.0, dt)
             left = min(o.leave[0], o.leave[1])
             if np.isfinite(left):

@@ -158,8 +158,6 @@ def jumped(t: Traffic, slots: Ints) -> Bools:
 def _may_have_touched(
     boxes: tuple[Floats, ...],
     wheeled: int,
-    order: Ints,
-    line: Floats,
     reach: Floats,
     dx: Floats,
     dy: Floats,
@@ -173,8 +171,6 @@ def _may_have_touched(
     Args:
         boxes: `Boxes.parts`, (n,) each.
         wheeled: rows from this one on are walkers.
-        order: (n,) rows by their place on a line.
-        line: (n,) their place on it [m].
         reach: (n,) from a centre to where the body may have been during the step [m].
         dx: (n,) motion [m].
         dy: (n,) motion [m].
@@ -182,6 +178,8 @@ def _may_have_touched(
     """
     pairs = []
     cx, cy, half_length, farthest = boxes[0], boxes[1], boxes[4], 2 * reach.max()
+    line = cx if cx.max() - cx.min() >= cy.max() - cy.min() else cy
+    order = np.argsort(line)
     for first in range(len(order)):
         i = order[first]
         for second in range(first + 1, len(order)):
@@ -217,9 +215,8 @@ def touching(t: Traffic, among: Ints) -> tuple[Ints, Floats]:
     dx, dy = x - t.old_x[rows], y - t.old_y[rows]
     end = Boxes.of(x, y, heading, t.length[rows], t.width[rows])
     reach = np.hypot(end.half_length, end.half_width) + np.hypot(dx, dy)
-    line = end.cx if np.ptp(end.cx) >= np.ptp(end.cy) else end.cy
     turn = np.abs(np.sin(heading - t.old_heading[rows]))
-    near = _may_have_touched(end.parts, len(among), line.argsort(), line, reach, dx, dy, turn)
+    near = _may_have_touched(end.parts, len(among), reach, dx, dy, turn)
     if not near:
         return none
     pairs = np.sort(rows[np.array(near)], axis=1)
@@ -229,10 +226,12 @@ def touching(t: Traffic, among: Ints) -> tuple[Ints, Floats]:
 def _first_contacts(t: Traffic, pairs: Ints) -> tuple[Ints, Floats]:
     """Which of these pairs (n, 2) touch during the step, and when, as a fraction of it."""
     a, b = pairs.T
-    motion = ~(jumped(t, a) | jumped(t, b))
     when, samples = np.repeat(_SAMPLES, len(a)), len(_SAMPLES)
     one, two = (_boxes_at(t, np.tile(slots, samples), when) for slots in (a, b))
     inside = (separation(one, two) < 0).reshape(samples, -1)
+    if not inside.any():
+        return pairs[:0], when[:0]
+    motion = ~(jumped(t, a) | jumped(t, b))
     inside[:-1] &= motion
     hit = inside.any(0)
     pairs, motion = pairs[hit], motion[hit]

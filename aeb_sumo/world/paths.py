@@ -121,10 +121,11 @@ class Paths:
         self.users: list[tuple[Path, float]] = []
         self._junctions: dict[str, int] = {}
         self._junction_of: Ints = np.zeros(0, np.int64)  # per user
-        # Where the paths of two users cross: keys, rising, the last one beyond all others, and a row for each, nan
-        # where they do not.
-        self._keys: Ints = np.full(1, np.iinfo(np.int64).max)
-        self._zones: Floats = np.full((1, 4), np.nan)
+        self._rank: Ints = np.zeros(0, np.int64)  # per user, its number among those at its junction
+        # Where the paths of two users cross: the row in zones, by the one and the rank of the other, -1 for not known
+        # yet; and the zones, nan where they do not.
+        self._rows: Ints = np.zeros((0, 0), np.int64)
+        self._zones: Floats = np.zeros((0, 4))
         none = np.zeros(0, np.int64)
         self.turns = Turns(none, np.zeros(0), none)
         self.crossings = _NONE
@@ -139,10 +140,10 @@ class Paths:
         self._traffic.follow(self.turns.slot)
         i, j = self._pairs = _at_the_same(self._junction_of[self.turns.user])
         slot, at, user = self.turns.slot, self.turns.at, self.turns.user
-        ego, other, zone, unknown = _cross(i, j, slot, at, user, self._keys, self._zones)
+        ego, other, zone, unknown = _cross(i, j, slot, at, user, self._rank, self._rows, self._zones)
         if unknown:
-            self._learn(np.unique(unknown))
-            ego, other, zone, _ = _cross(i, j, slot, at, user, self._keys, self._zones)
+            self._learn(list(dict.fromkeys(unknown)))
+            ego, other, zone, _ = _cross(i, j, slot, at, user, self._rank, self._rows, self._zones)
         self.crossings = Crossings(ego, other, zone)
 
     def pairs(self) -> tuple[Ints, Ints]:
@@ -155,8 +156,11 @@ class Paths:
         As far as `reach` [m], or to the end of the lane behind the next junction.
         """
         t = self._traffic
-        lane, path = self._follow(slot)
-        at = libsumo.vehicle.getLanePosition(t.ids[slot])
+        vehicle = t.ids[slot]
+        lane, at = libsumo.vehicle.getLaneID(vehicle), libsumo.vehicle.getLanePosition(vehicle)
+        if lane != self._current[slot][0]:
+            self._change(slot, lane)
+        path = self._current[slot][1]
         line, along = self._line(lane, path)
         where = np.arange(at, min(at + reach, along[-1]) + 1e-9, spacing)
         points = np.column_stack([np.interp(where, along, line[:, k]) for k in (0, 1)])
@@ -184,10 +188,14 @@ class Paths:
         ways, ids = self._ways, t.ids
         slots = _to_ask(ways, t.step, t.here & t.wheeled, t.fresh, t.speed, t.old_speed)
         if len(slots):
-            position_of, positions = libsumo.vehicle.getLanePosition, []
+            lane_of, position_of, positions = libsumo.vehicle.getLaneID, libsumo.vehicle.getLanePosition, []
+            current = self._current
             for slot in slots.tolist():
-                self._follow(slot)
-                positions.append(position_of(ids[slot]))
+                vehicle = ids[slot]
+                lane = lane_of(vehicle)
+                if lane != current[slot][0]:
+                    self._change(slot, lane)
+                positions.append(position_of(vehicle))
             for slot, position in _look(ways, slots, np.array(positions), t.step, t.fastest, t.dt):
                 self._look_closer(slot, position)
         slots = ways["turns"].nonzero()[0]
@@ -207,16 +215,12 @@ class Paths:
         else:
             self._go_on(slot, lane, self._path_from(t.ids[slot], lane))
 
-    def _follow(self, slot: int) -> tuple[str, Path | None]:
-        """The lane that a vehicle is on now, and its path."""
-        vehicle = self._traffic.ids[slot]
-        lane = libsumo.vehicle.getLaneID(vehicle)
-        was, path = self._current[slot]
-        if lane != was:
-            if path is None or lane not in path.starts:
-                path = self._path_from(vehicle, lane)
-            self._go_on(slot, lane, path)
-        return lane, path
+    def _change(self, slot: int, lane: str) -> None:
+        """A vehicle has come to another lane."""
+        path = self._current[slot][1]
+        if path is None or lane not in path.starts:
+            path = self._path_from(self._traffic.ids[slot], lane)
+        self._go_on(slot, lane, path)
 
     def _go_on(self, slot: int, lane: str, path: Path | None) -> None:
         """The vehicle in a slot is on this lane and path now."""
@@ -235,15 +239,18 @@ class Paths:
             self._numbers[key] = len(self.users)
             self.users.append(key)
             junction = self._junctions.setdefault(path.junction, len(self._junctions))
+            rank = int((self._junction_of == junction).sum())
             self._junction_of = np.append(self._junction_of, junction)
+            self._rank = np.append(self._rank, rank)
+            more = max(0, rank + 1 - self._rows.shape[1])
+            self._rows = np.pad(self._rows, ((0, 1), (0, more)), constant_values=-1)
         return self._numbers[key]
 
-    def _learn(self, keys: Ints) -> None:
+    def _learn(self, pairs: list[tuple[int, int]]) -> None:
         """Find out where the paths of users cross that have not met before."""
-        behind = np.searchsorted(self._keys, keys)
-        zones = [self._zone(*divmod(key, 2**32)) for key in keys.tolist()]
-        self._keys = np.insert(self._keys, behind, keys)
-        self._zones = np.insert(self._zones, behind, zones, axis=0)
+        for row, (own, other) in enumerate(pairs, len(self._zones)):
+            self._rows[own, self._rank[other]] = row
+        self._zones = np.vstack([self._zones, [self._zone(own, other) for own, other in pairs]])
 
     def _zone(self, own: int, other: int) -> tuple[float, float, float, float]:
         (path, half), (crossed, other_half) = self.users[own], self.users[other]
@@ -376,17 +383,16 @@ def _at_the_same(junction: Ints) -> tuple[Ints, Ints]:
 
 @kernel
 def _cross(
-    first: Ints, second: Ints, slot: Ints, at: Floats, user: Ints, keys: Ints, zones: Floats
-) -> tuple[Ints, Ints, Floats, list[int]]:
-    """Of pairs (k,) of rows of `Turns` those whose paths cross, as in `Crossings`, and keys of those not known."""
+    first: Ints, second: Ints, slot: Ints, at: Floats, user: Ints, rank: Ints, rows: Ints, zones: Floats
+) -> tuple[Ints, Ints, Floats, list[tuple[int, int]]]:
+    """Of pairs (k,) of rows of `Turns` those whose paths cross, as in `Crossings`, and users who are not known to."""
     ego, other, zone = np.empty(len(first), np.int64), np.empty(len(first), np.int64), np.empty((len(first), 4))
     n, unknown = 0, []
     for k in range(len(first)):
         i, j = first[k], second[k]
-        key = user[i] * 2**32 + user[j]
-        row = np.searchsorted(keys, key)
-        if keys[row] != key:
-            unknown.append(key)
+        row = rows[user[i], rank[user[j]]]
+        if row < 0:
+            unknown.append((user[i], user[j]))
         elif np.isfinite(zones[row, 0]):
             ego[n], other[n] = slot[i], slot[j]
             zone[n, 0], zone[n, 1] = zones[row, 0] - at[i], zones[row, 1] - at[i]
