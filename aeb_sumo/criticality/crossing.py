@@ -9,6 +9,8 @@ with the tail. Times are from now on: 0 for what has happened, `inf` for what ne
 import numpy as np
 from numpy.typing import ArrayLike
 
+from aeb_sumo.compiled import kernel
+from aeb_sumo.criticality.broadcast import over
 from aeb_sumo.soa import Floats
 
 __all__ = ["crossing_ttc", "pet", "yielding_decel"]
@@ -39,12 +41,21 @@ def yielding_decel(*, distance: ArrayLike, speed: ArrayLike, until: ArrayLike = 
 
     Source: kinematics; the DRAC of SUMO's SSM device for crossing situations.
     """
-    d, v, t = np.broadcast_arrays(*(np.asarray(q, float) for q in (distance, speed, until)))
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        stop = v * v / (2 * d)
-        rate = np.where(v * t < 2 * d, 2 * (v * t - d) / (t * t), stop)
-        rate = np.where(v * t <= d, 0.0, rate)
-    return np.where(t <= 0, 0.0, np.where(d <= 0, np.inf, np.where(v <= 0, 0.0, rate)))
+    return over(_yielding_decel, distance, speed, until)
+
+
+@kernel
+def _yielding_decel(distance: Floats, speed: Floats, until: Floats) -> Floats:
+    rate = np.zeros(len(distance))
+    for k in range(len(distance)):
+        d, v, t = distance[k], speed[k], until[k]
+        if t <= 0:
+            continue
+        if d <= 0:
+            rate[k] = np.inf
+        elif not (v <= 0 or v * t <= d):
+            rate[k] = 2 * (v * t - d) / (t * t) if v * t < 2 * d else v * v / (2 * d)
+    return rate
 
 
 def pet(*, leave: ArrayLike, enter: ArrayLike) -> Floats:

@@ -3,17 +3,13 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from aeb_sumo.compiled import kernel
+from aeb_sumo.criticality.broadcast import over
 from aeb_sumo.soa import Floats
 
 __all__ = ["drac", "required_decel", "thw", "time_to_contact", "ttc", "ttc2"]
 
 _BARELY = 1e-9  # m/s2, who brakes by less never stops
-
-
-def _together(*values: ArrayLike) -> tuple[Floats, ...]:
-    """As arrays of one shape, which they mostly have."""
-    arrays = tuple(np.asarray(q, float) for q in values)
-    return arrays if len({q.shape for q in arrays}) == 1 else np.broadcast_arrays(*arrays)
 
 
 def ttc(*, gap: ArrayLike, closing_speed: ArrayLike) -> Floats:
@@ -22,11 +18,18 @@ def ttc(*, gap: ArrayLike, closing_speed: ArrayLike) -> Floats:
     0 for `gap <= 0` (contact), `inf` when the gap does not shrink.
     Source: Hayward 1972; Zhao et al. 2025, eq. 1.
     """
-    gap, closing_speed = _together(gap, closing_speed)
-    time = np.full(gap.shape, np.inf)
-    with np.errstate(over="ignore"):  # as good as never
-        np.divide(gap, closing_speed, out=time, where=closing_speed > 0)
-    return np.where(gap <= 0, 0.0, time)
+    return over(_ttc, gap, closing_speed)
+
+
+@kernel
+def _ttc(gap: Floats, closing_speed: Floats) -> Floats:
+    time = np.empty(len(gap))
+    for k in range(len(gap)):
+        if gap[k] <= 0:
+            time[k] = 0.0
+        else:
+            time[k] = gap[k] / closing_speed[k] if closing_speed[k] > 0 else np.inf
+    return time
 
 
 def ttc2(*, gap: ArrayLike, closing_speed: ArrayLike, closing_accel: ArrayLike) -> Floats:
@@ -37,19 +40,27 @@ def ttc2(*, gap: ArrayLike, closing_speed: ArrayLike, closing_accel: ArrayLike) 
     Source: Zhao et al. 2025, Table 1. Its rows leave out `v < 0, a > 0` (opening now, closing later); the same root is
     used there.
     """
-    gap, v, a = _together(gap, closing_speed, closing_accel)
-    far = np.isinf(gap)  # nothing ahead
-    d = np.where(far, 1.0, gap)
-    discriminant = v * v + 2 * a * d
-    rooted, opens = discriminant >= 0, v < 0
-    root = np.sqrt(np.maximum(discriminant, 0.0))
-    total = v + root
-    time = np.full(d.shape, np.inf)
-    # For v < 0 the sum in the denominator cancels; the other form of the same root does not.
-    with np.errstate(over="ignore"):  # as good as never
-        np.divide(2 * d, total, out=time, where=rooted & ~opens & (total > 0))
-        np.divide(root - v, a, out=time, where=rooted & opens & (a > 0))
-    return np.where(far, np.inf, np.where(d <= 0, 0.0, time))
+    return over(_ttc2, gap, closing_speed, closing_accel)
+
+
+@kernel
+def _ttc2(gap: Floats, closing_speed: Floats, closing_accel: Floats) -> Floats:
+    time = np.full(len(gap), np.inf)
+    for k in range(len(gap)):
+        d, v, a = gap[k], closing_speed[k], closing_accel[k]
+        if np.isinf(d):  # nothing ahead
+            continue
+        discriminant = v * v + 2 * a * d
+        if d <= 0:
+            time[k] = 0.0
+        elif discriminant >= 0:
+            root = np.sqrt(discriminant)
+            # For v < 0 the sum in the denominator cancels; the other form of the same root does not.
+            if v < 0 and a > 0:
+                time[k] = (root - v) / a
+            elif v >= 0 and v + root > 0:
+                time[k] = 2 * d / (v + root)
+    return time
 
 
 def thw(*, gap: ArrayLike, speed: ArrayLike) -> Floats:
@@ -67,11 +78,18 @@ def drac(*, gap: ArrayLike, closing_speed: ArrayLike) -> Floats:
     `closing_speed^2 / (2 gap)`. 0 when the gap does not shrink, `inf` for `gap <= 0`.
     Source: Cooper and Ferguson 1976; Almqvist et al. 1991. Some print it without the 2, which is no kinematics.
     """
-    gap, closing_speed = _together(gap, closing_speed)
-    rate = np.zeros(gap.shape)
-    with np.errstate(over="ignore"):
-        np.divide(closing_speed**2, 2 * gap, out=rate, where=(closing_speed > 0) & (gap > 0))
-    return np.where(gap <= 0, np.inf, rate)
+    return over(_drac, gap, closing_speed)
+
+
+@kernel
+def _drac(gap: Floats, closing_speed: Floats) -> Floats:
+    rate = np.zeros(len(gap))
+    for k in range(len(gap)):
+        if gap[k] <= 0:
+            rate[k] = np.inf
+        elif closing_speed[k] > 0 and gap[k] > 0:
+            rate[k] = closing_speed[k] * closing_speed[k] / (2 * gap[k])
+    return rate
 
 
 def time_to_contact(
@@ -119,13 +137,22 @@ def required_decel(*, gap: ArrayLike, speed: ArrayLike, lead_speed: ArrayLike, l
         lead_speed: >= 0 [m/s].
         lead_accel: signed, negative for a lead that brakes [m/s2].
     """
-    g, v, w, a = _together(gap, speed, lead_speed, lead_accel)
-    closing, brakes, near = v - w, a < 0, (g > 0) & np.isfinite(g)
-    nears = closing > 0
-    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        moving = np.maximum(closing * closing / (2 * g) - a, 0.0)  # drac, where something closes in
-        stops_in, stops_after = np.where(brakes, w / -a, np.inf), np.where(brakes, w * w / (-2 * a), np.inf)
-        meets_in = np.where(nears, 2 * g / closing, np.inf)
-        standing = v * v / (2 * (g + stops_after))
-    rate = np.where(brakes & (meets_in > stops_in), standing, np.where(nears, moving, 0.0))
-    return np.where(near, rate, np.where(g <= 0, np.inf, 0.0))
+    return over(_required_decel, gap, speed, lead_speed, lead_accel)
+
+
+@kernel
+def _required_decel(gap: Floats, speed: Floats, lead_speed: Floats, lead_accel: Floats) -> Floats:
+    rate = np.zeros(len(gap))
+    for k in range(len(gap)):
+        g, v, w, a = gap[k], speed[k], lead_speed[k], lead_accel[k]
+        if g <= 0:
+            rate[k] = np.inf
+        if not (g > 0 and np.isfinite(g)):
+            continue
+        closing = v - w
+        meets_in = 2 * g / closing if closing > 0 else np.inf
+        if a < 0 and meets_in > w / -a:  # the lead has come to a stop by then
+            rate[k] = v * v / (2 * (g + w * w / (-2 * a)))
+        elif closing > 0:
+            rate[k] = np.maximum(closing * closing / (2 * g) - a, 0.0)
+    return rate

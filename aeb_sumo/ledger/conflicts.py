@@ -4,13 +4,13 @@ Every pair that meets (see `ledger.encounters`) is followed until it is over; wh
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.criticality import EVASIVE, EXPOSED, pet, time_below
-from aeb_sumo.ledger.encounters import THREAT, Pairs, crossing, following
+from aeb_sumo.ledger.encounters import NOBODY, THREAT, crossing, following
 from aeb_sumo.ledger.rows import Rows
 from aeb_sumo.soa import Bools, Floats, Ints, find, joined, take
 from aeb_sumo.units import G
@@ -20,74 +20,37 @@ from aeb_sumo.world.paths import Crossings
 
 __all__ = ["Conflicts"]
 
-_NOBODY: Ints = np.zeros(0, np.int64)
 _SLIPPERY = 0.9  # of what a slippery road gives: as hard as a near-crash can be there, our assumption
 _PET = 3.0  # s, our assumption; SSAM counts up to 5
 _PAUSE = 1.0  # s without being a pair after which an encounter is over, our assumption
 _LONGEST_PET = 5.0  # s, how long the second is waited for, from another source: the default of SSAM
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Open:
-    """Encounters that are not over, (n,) or (n, 2) by the columns of `slots`; as in `Pairs` what has its names.
-
-    Attributes:
-        begin, seen: first and last step as a pair [s].
-        min_gap, min_ttc, min_ttc2, max_drac, max_required, exposed: so far.
-        max_decel: of both, under threat [m/s2].
-        worst: who would come second, at the smallest TTC.
-        where: (n, 4) front bumpers of both then [m].
-        secondary: one had crashed before.
-        equipped: with an AEB.
-        enter, leave: instants at which they came to where the paths cross, and left it; `inf` for not yet [s].
-    """
-
-    key: Ints
-    slots: Ints
-    threat: Bools
-    begin: Floats
-    seen: Floats
-    min_gap: Floats
-    min_ttc: Floats
-    min_ttc2: Floats
-    max_drac: Floats
-    max_required: Floats
-    exposed: Floats
-    max_decel: Floats
-    worst: Ints
-    where: Floats
-    secondary: Bools
-    equipped: Bools
-    zone: Floats
-    enter: Floats
-    leave: Floats
-
-    @classmethod
-    def of(cls, pairs: Pairs, time: float, where: Floats, equipped: Bools) -> "_Open":
-        """Encounters that begin."""
-        n = len(pairs.key)
-        never, none = np.full(n, np.inf), np.zeros(n)
-        return cls(
-            key=pairs.key,
-            slots=pairs.slots,
-            threat=pairs.threat,
-            begin=np.full(n, time),
-            seen=np.full(n, time),
-            min_gap=never.copy(),
-            min_ttc=never.copy(),
-            min_ttc2=never.copy(),
-            max_drac=none.copy(),
-            max_required=none.copy(),
-            exposed=none.copy(),
-            max_decel=np.zeros((n, 2)),
-            worst=pairs.second,
-            where=where,
-            secondary=np.zeros(n, np.bool_),
-            equipped=equipped,
-            zone=pairs.zone,
-            enter=np.full((n, 2), np.inf),
-            leave=np.full((n, 2), np.inf),
-        )
+# Encounters that are not over, those with names of `Pairs` as there; two values are by the columns of `slots`.
+_OPEN = np.dtype(
+    [
+        ("key", "i8"),
+        ("slots", "i8", 2),
+        ("threat", "?"),
+        ("begin", "f8"),  # first and last step as a pair [s]
+        ("seen", "f8"),
+        ("min_gap", "f8"),  # so far, as the next five
+        ("min_ttc", "f8"),
+        ("min_ttc2", "f8"),
+        ("max_drac", "f8"),
+        ("max_required", "f8"),
+        ("exposed", "f8"),
+        ("max_decel", "f8", 2),  # under threat [m/s2]
+        ("worst", "i8"),  # who would come second, at the smallest TTC
+        ("where", "f8", 4),  # front bumpers of both then [m]
+        ("secondary", "?"),  # one had crashed before
+        ("equipped", "u1", 2),  # with an AEB; Numba has no subarrays of booleans
+        ("zone", "f8", 4),
+        ("enter", "f8", 2),  # instants at which they came to where the paths cross, and left it; `inf` for not yet [s]
+        ("leave", "f8", 2),
+    ],
+    align=True,
+)
 
 
 class Conflicts:
@@ -111,18 +74,17 @@ class Conflicts:
         self._error = error
         self._evasive = min(EVASIVE, _SLIPPERY * mu * G)
         self._errors: dict[int, list[str]] = {}
-        nobody = np.zeros(0, np.bool_)
-        self.pairs = following(traffic, Leads(traffic, cycle=traffic.dt, horizon=0.0), nobody)
+        self.pairs = NOBODY
         self.hard = np.zeros((0, 2), np.bool_)
         self.ended: list[dict[str, Any]] = []
-        self._open = _Open.of(self.pairs, 0.0, np.zeros((0, 4)), np.zeros((0, 2), np.bool_))
+        self._open = np.zeros(0, _OPEN)
 
     def crash(self, one: int, other: int) -> None:
         """The vehicles in two slots have touched."""
-        slots = self._open.slots
+        slots = self._open["slots"]
         hit = ((slots[:, 0] == one) & (slots[:, 1] == other)) | ((slots[:, 0] == other) & (slots[:, 1] == one))
-        for measure in (self._open.min_gap, self._open.min_ttc, self._open.min_ttc2):
-            measure[hit] = 0.0
+        for measure in ("min_gap", "min_ttc", "min_ttc2"):
+            self._open[measure][hit] = 0.0
         self._close(hit, crashed=True)
 
     def step(
@@ -147,124 +109,216 @@ class Conflicts:
         """
         t = self._traffic
         self.ended = []
-        if not (len(leads.egos) or len(crossings.ego) or len(self._open.key)):
-            self.pairs, self.hard = take(self.pairs, _NOBODY), self.hard[:0]
+        if not (len(leads.egos) or len(crossings.ego) or len(self._open)):
+            self.pairs, self.hard = NOBODY, self.hard[:0]
             return
         pairs = following(t, leads, wrecked, among=among)
         if among is not None and len(crossings.ego):
             crossings = take(crossings, np.isin(crossings.ego, among) | np.isin(crossings.other, among))
         if len(crossings.ego):
             pairs = joined(pairs, crossing(t, crossings, wrecked))
-        self.pairs = pairs
-        at = self._rows_of(pairs, time, equipped)
-        o, slots = self._open, pairs.slots
-        evading = (pairs.threat | o.threat[at])[:, None] & ~wrecked[slots]
-        braking = np.where(evading, np.maximum(-t.accel[slots], 0.0), 0.0)
-        self.hard = braking > self._evasive
-        self.hard[:, 1] &= pairs.key < 0
-        self._note_worst(at, pairs)
-        for smallest, value in ((o.min_gap, pairs.gap), (o.min_ttc, pairs.ttc), (o.min_ttc2, pairs.ttc2)):
-            smallest[at] = np.minimum(smallest[at], value)
-        for largest, value in ((o.max_drac, pairs.drac), (o.max_required, pairs.required), (o.max_decel, braking)):
-            largest[at] = np.maximum(largest[at], value)
-        o.exposed[at] += time_below(pairs.ttc, EXPOSED, dt=t.dt)
-        o.secondary[at] |= wrecked[slots].any(1)
-        o.threat[at], o.seen[at] = pairs.threat, time
-        crosses = o.key < 0
-        if crosses.any():
-            self._advance(time, at, pairs)
-
-        over = ~t.here[o.slots].all(1) | (time - o.seen > _PAUSE)
-        if crosses.any():
-            left = o.leave.min(1)
-            settled = np.isfinite(o.enter).all(1) | (time - left > _LONGEST_PET)
-            over = ~t.here[o.slots].all(1) | np.where(np.isfinite(left), settled, time - o.seen > _PAUSE)
-        self._close(over | np.where(crosses, wrecked[o.slots].all(1), wrecked[o.slots[:, 0]]))
+        self.pairs, self.hard = pairs, np.zeros((len(pairs.key), 2), np.bool_)
+        if len(pairs.key):
+            rows, known = find(pairs.key, self._open["key"])
+            if not known.all():
+                before, new = len(self._open), ~known
+                rows[new] = before + np.arange(new.sum())
+                self._open = np.concatenate([self._open, np.zeros(new.sum(), _OPEN)])
+                _begin(self._open, before, rows, time, pairs.key, pairs.slots, pairs.second, equipped, t.x, t.y)
+            exposed = time_below(pairs.ttc, EXPOSED, dt=t.dt)
+            measures = pairs.gap, pairs.ttc, pairs.ttc2, pairs.drac, pairs.required, exposed
+            who = pairs.slots, pairs.second, pairs.threat, pairs.zone
+            for k in _note(
+                self._open, rows, time, *who, measures, self._evasive, self.hard, wrecked, t.accel, t.x, t.y
+            ):
+                self._note_errors(int(pairs.key[k]), *pairs.slots[k].tolist())
+        approaching = _approaching(self._open, t.here)
+        if len(approaching):
+            t.read(approaching)
+        self._close(_go_on(self._open, time, t.dt, t.speed, t.old_speed, t.length, t.here, wrecked))
 
     def close_all(self) -> None:
         """The run ends."""
-        self._close(np.ones(len(self._open.key), np.bool_))
+        self._close(np.ones(len(self._open), np.bool_))
 
-    def _rows_of(self, pairs: Pairs, time: float, equipped: Bools) -> Ints:
-        """Where the pairs are among the open encounters; those that are not there yet begin."""
-        at, known = find(pairs.key, self._open.key)
-        if not known.all():
-            t, fresh = self._traffic, take(pairs, ~known)
-            at[~known] = len(self._open.key) + np.arange(len(fresh.key))
-            where = np.column_stack([t.x[fresh.slots], t.y[fresh.slots]])[:, [0, 2, 1, 3]]
-            self._open = joined(self._open, _Open.of(fresh, time, where, equipped[fresh.slots]))
-        return at
-
-    def _note_worst(self, at: Ints, pairs: Pairs) -> None:
-        """Who, where, and in what error at the smallest TTC so far."""
-        t, o = self._traffic, self._open
-        worse = np.flatnonzero(pairs.ttc < o.min_ttc[at])
-        rows, slots = at[worse], pairs.slots[worse]
-        o.worst[rows] = pairs.second[worse]
-        o.where[rows] = np.column_stack([t.x[slots], t.y[slots]])[:, [0, 2, 1, 3]]
-        for k in worse[pairs.ttc[worse] < THREAT].tolist():
-            one, other = pairs.slots[k].tolist()
-            made = self._errors.setdefault(int(pairs.key[k]), ["", ""])
-            made[:] = [self._error(one, other) or made[0], self._error(other, one) or made[1]]
-
-    def _advance(self, time: float, at: Ints, pairs: Pairs) -> None:
-        """Take all on to where the paths cross, also those that are no pair any more since one has left it."""
-        t, o = self._traffic, self._open
-        t.read(o.slots[t.here[o.slots]])
-        pace = (t.speed[o.slots] + t.old_speed[o.slots]) / 2
-        o.zone[:] -= np.repeat(pace * t.dt, 2, axis=1)
-        o.zone[at] = pairs.zone
-        for instants, beyond in ((o.enter, -o.zone[:, ::2]), (o.leave, -o.zone[:, 1::2] - t.length[o.slots])):
-            now = (beyond >= 0) & np.isinf(instants)
-            ago = np.divide(beyond, pace, out=np.zeros_like(pace), where=now & (pace > 0))
-            instants[now] = time - np.minimum(ago[now], t.dt)
+    def _note_errors(self, key: int, one: int, other: int) -> None:
+        """In what error the two of an encounter are when it is at its worst."""
+        made = self._errors.setdefault(key, ["", ""])
+        made[:] = [self._error(one, other) or made[0], self._error(other, one) or made[1]]
 
     def _close(self, over: Bools, *, crashed: bool = False) -> None:
         """End encounters; rows for those that came to matter."""
         if not over.any():
             return
-        o = take(self._open, over)
-        self._open = take(self._open, ~over)
-        crosses = o.key < 0
-        row, known = np.arange(len(o.key)), np.isfinite(o.enter).any(1)
-        ego = np.where(crosses & known, np.argmax(o.enter, 1), o.worst)
-        gap = pet(leave=o.leave[row, 1 - ego], enter=o.enter[row, ego])
-        hardest = np.where(crosses, o.max_decel.max(1), o.max_decel[:, 0])
-        near = hardest > self._evasive
-        matters = near | np.where(crosses, (gap < _PET) | (o.min_ttc < EXPOSED), o.min_ttc < THREAT)
+        closed = self._open[over].tolist()
+        self._open = self._open[~over]
         t = self._traffic
-        for k in range(len(o.key)):
-            errors = self._errors.pop(int(o.key[k]), ["", ""])
-            if not (matters[k] or crashed):
+        for values in closed:
+            o = dict(zip(_OPEN.names or (), values, strict=True))
+            errors = self._errors.pop(o["key"], ["", ""])
+            crosses, enter, e, gap = o["key"] < 0, o["enter"], o["worst"], np.inf
+            if crosses and np.isfinite(enter).any():
+                e = int(np.argmax(enter))
+                gap = float(pet(leave=o["leave"][1 - e], enter=enter[e]))
+            hardest = max(o["max_decel"]) if crosses else o["max_decel"][0]
+            near = bool(hardest > self._evasive)
+            critical = gap < _PET or o["min_ttc"] < EXPOSED if crosses else o["min_ttc"] < THREAT
+            if not (near or critical or crashed):
                 continue
-            e = int(ego[k])
-            one, other = o.slots[k, e], o.slots[k, 1 - e]
+            one, other = o["slots"][e], o["slots"][1 - e]
             booked: dict[str, Any] = {
                 "conflict_id": len(self.rows),
-                "kind": "crossing" if crosses[k] else "following",
+                "kind": "crossing" if crosses else "following",
                 "ego": t.ids[one],
                 "other": t.ids[other],
                 "ego_vclass": t.vclass[one],
                 "other_vclass": t.vclass[other],
-                "ego_equipped": bool(o.equipped[k, e]),
-                "other_equipped": bool(o.equipped[k, 1 - e]),
-                "begin_s": o.begin[k],
-                "end_s": o.seen[k],
-                "min_ttc_s": o.min_ttc[k],
-                "min_ttc2_s": o.min_ttc2[k],
-                "max_drac_mps2": o.max_drac[k],
-                "max_required_decel_mps2": o.max_required[k],
-                "min_gap_m": o.min_gap[k],
-                "pet_s": float(gap[k]) if np.isfinite(gap[k]) and not crashed else None,
-                "exposed_s": o.exposed[k],
-                "max_decel_mps2": o.max_decel[k, e],
-                "near_crash": bool(near[k] and not crashed),
+                "ego_equipped": bool(o["equipped"][e]),
+                "other_equipped": bool(o["equipped"][1 - e]),
+                "begin_s": o["begin"],
+                "end_s": o["seen"],
+                "min_ttc_s": o["min_ttc"],
+                "min_ttc2_s": o["min_ttc2"],
+                "max_drac_mps2": o["max_drac"],
+                "max_required_decel_mps2": o["max_required"],
+                "min_gap_m": o["min_gap"],
+                "pet_s": gap if np.isfinite(gap) and not crashed else None,
+                "exposed_s": o["exposed"],
+                "max_decel_mps2": o["max_decel"][e],
+                "near_crash": near and not crashed,
                 "crashed": crashed,
-                "secondary": bool(o.secondary[k]),
+                "secondary": o["secondary"],
                 "ego_error": errors[e],
                 "other_error": errors[1 - e],
-                "x_m": o.where[k, 2 * e],
-                "y_m": o.where[k, 2 * e + 1],
+                "x_m": o["where"][2 * e],
+                "y_m": o["where"][2 * e + 1],
             }
             self.rows.append(booked)
             self.ended += [] if crashed else [booked]
+
+
+@kernel
+def _begin(
+    encounters: Any,
+    before: int,
+    rows: Ints,
+    time: float,
+    key: Ints,
+    slots: Ints,
+    second: Ints,
+    equipped: Bools,
+    x: Floats,
+    y: Floats,
+) -> None:
+    """The pairs whose rows among the encounters were not there before."""
+    for k in range(len(rows)):
+        if rows[k] < before:
+            continue
+        o = encounters[rows[k]]
+        o.key, o.begin, o.worst = key[k], time, second[k]
+        o.min_gap = o.min_ttc = o.min_ttc2 = np.inf
+        for column in range(2):
+            slot = slots[k, column]
+            o.slots[column], o.equipped[column] = slot, equipped[slot]
+            o.enter[column] = o.leave[column] = np.inf
+            o.where[2 * column], o.where[2 * column + 1] = x[slot], y[slot]
+
+
+@kernel
+def _note(
+    encounters: Any,
+    rows: Ints,
+    time: float,
+    slots: Ints,
+    second: Ints,
+    threat: Bools,
+    zone: Floats,
+    measures: tuple[Floats, ...],
+    evasive: float,
+    hard: Bools,
+    wrecked: Bools,
+    accel: Floats,
+    x: Floats,
+    y: Floats,
+) -> list[int]:
+    """Take the pairs of this step, by their rows among the encounters, down there, and who brakes hard in `hard`.
+
+    Those who are nearer to a collision than before, and near, are returned.
+    """
+    worse = []
+    gap, ttc, ttc2, drac, required, exposed = measures
+    for k in range(len(rows)):
+        o = encounters[rows[k]]
+        for column in range(2):
+            slot = slots[k, column]
+            if wrecked[slot]:
+                o.secondary = True
+            elif threat[k] or o.threat:
+                braking = -accel[slot] if accel[slot] < 0 else 0.0
+                hard[k, column] = braking > evasive and (column == 0 or o.key < 0)
+                o.max_decel[column] = max(o.max_decel[column], braking)
+        if ttc[k] < o.min_ttc:
+            o.worst = second[k]
+            for column in range(2):
+                o.where[2 * column], o.where[2 * column + 1] = x[slots[k, column]], y[slots[k, column]]
+            if ttc[k] < THREAT:
+                worse.append(k)
+        o.min_gap, o.min_ttc, o.min_ttc2 = min(o.min_gap, gap[k]), min(o.min_ttc, ttc[k]), min(o.min_ttc2, ttc2[k])
+        o.max_drac, o.max_required = max(o.max_drac, drac[k]), max(o.max_required, required[k])
+        o.exposed += exposed[k]
+        o.threat, o.seen = threat[k], time
+        for column in range(4):
+            o.zone[column] = zone[k, column]
+    return worse
+
+
+@kernel
+def _approaching(encounters: Any, here: Bools) -> Ints:
+    """Slots of those that have not left yet where the paths cross."""
+    slots = np.empty(2 * len(encounters), np.int64)
+    n = 0
+    for o in encounters:
+        for column in range(2):
+            if o.key < 0 and np.isinf(o.leave[column]) and here[o.slots[column]]:
+                slots[n] = o.slots[column]
+                n += 1
+    return slots[:n]
+
+
+@kernel
+def _go_on(
+    encounters: Any,
+    time: float,
+    dt: float,
+    speed: Floats,
+    old_speed: Floats,
+    length: Floats,
+    here: Bools,
+    wrecked: Bools,
+) -> Bools:
+    """Take all on to where the paths cross, also those that are no pair any more since one has left it; who is over."""
+    over = np.empty(len(encounters), np.bool_)
+    for k in range(len(encounters)):
+        o = encounters[k]
+        one, other = o.slots[0], o.slots[1]
+        over[k] = time - o.seen > _PAUSE
+        if o.key < 0:
+            for column in range(2):
+                if np.isfinite(o.leave[column]):
+                    continue
+                slot = o.slots[column]
+                pace = (speed[slot] + old_speed[slot]) / 2
+                if o.seen < time:
+                    o.zone[2 * column] -= pace * dt
+                    o.zone[2 * column + 1] -= pace * dt
+                inside, outside = -o.zone[2 * column], -o.zone[2 * column + 1] - length[slot]
+                if inside >= 0 and np.isinf(o.enter[column]):
+                    o.enter[column] = time - min(inside / pace if pace > 0 else 0.0, dt)
+                if outside >= 0:
+                    o.leave[column] = time - min(outside / pace if pace > 0 else 0.0, dt)
+            left = min(o.leave[0], o.leave[1])
+            if np.isfinite(left):
+                both = np.isfinite(o.enter[0]) and np.isfinite(o.enter[1])
+                over[k] = both or time - left > _LONGEST_PET
+        over[k] |= not (here[one] and here[other]) or (wrecked[one] and (wrecked[other] or o.key >= 0))
+    return over

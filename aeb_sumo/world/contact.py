@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aeb_sumo.soa import Bools, Floats, Ints, take
+from aeb_sumo.compiled import kernel
+from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.world.observe import Traffic
 
 __all__ = ["Boxes", "Impact", "distance", "impact", "separation", "touching"]
@@ -35,12 +36,14 @@ class Boxes:
         ux, uy = np.cos(heading), np.sin(heading)
         return cls(x - ux * length / 2, y - uy * length / 2, ux, uy, length / 2, width / 2)
 
+    @property
+    def parts(self) -> tuple[Floats, ...]:
+        """The attributes in this order, for kernels."""
+        return self.cx, self.cy, self.ux, self.uy, self.half_length, self.half_width
+
     def corners(self) -> Floats:
         """(n, 4, 2) corners, counter-clockwise from the front left [m]."""
-        u = np.stack([self.ux, self.uy], -1) * self.half_length[:, None]
-        w = np.stack([-self.uy, self.ux], -1) * self.half_width[:, None]
-        c = np.stack([self.cx, self.cy], -1)
-        return np.stack([c + u + w, c - u + w, c - u - w, c + u - w], 1)
+        return _corners(self.parts)
 
     def local(self, point: Floats) -> Floats:
         """(n, 2) forward and left coordinates of points (n, 2) from the centre [m]."""
@@ -48,19 +51,40 @@ class Boxes:
         return np.stack([dx * self.ux + dy * self.uy, dy * self.ux - dx * self.uy], -1)
 
 
-def _axes_gaps(a: Boxes, b: Boxes) -> Floats:
-    """(4, n) gap along each box's two axes (a forward, a left, b forward, b left); all negative means overlap."""
-    dx, dy = b.cx - a.cx, b.cy - a.cy
-    cos = np.abs(a.ux * b.ux + a.uy * b.uy)
-    sin = np.abs(a.ux * b.uy - a.uy * b.ux)
-    return np.array(
-        [
-            np.abs(dx * a.ux + dy * a.uy) - (a.half_length + b.half_length * cos + b.half_width * sin),
-            np.abs(dy * a.ux - dx * a.uy) - (a.half_width + b.half_length * sin + b.half_width * cos),
-            np.abs(dx * b.ux + dy * b.uy) - (b.half_length + a.half_length * cos + a.half_width * sin),
-            np.abs(dy * b.ux - dx * b.uy) - (b.half_width + a.half_length * sin + a.half_width * cos),
-        ]
-    )
+@kernel
+def _corners(boxes: tuple[Floats, ...]) -> Floats:
+    cx, cy, ux, uy, half_length, half_width = boxes
+    corners = np.empty((len(cx), 4, 2))
+    for k in range(len(cx)):
+        along_x, along_y = ux[k] * half_length[k], uy[k] * half_length[k]
+        aside_x, aside_y = -uy[k] * half_width[k], ux[k] * half_width[k]
+        corners[k, 0] = cx[k] + along_x + aside_x, cy[k] + along_y + aside_y
+        corners[k, 1] = cx[k] - along_x + aside_x, cy[k] - along_y + aside_y
+        corners[k, 2] = cx[k] - along_x - aside_x, cy[k] - along_y - aside_y
+        corners[k, 3] = cx[k] + along_x - aside_x, cy[k] + along_y - aside_y
+    return corners
+
+
+@kernel
+def _widest_gap(a: tuple[Floats, ...], i: int, b: tuple[Floats, ...], j: int) -> tuple[float, float, float]:
+    """Between two boxes along the axes of each: the largest gap, and the unit vector of its axis.
+
+    If it is negative they overlap.
+    """
+    a_x, a_y, a_length, a_width, dx = a[2][i], a[3][i], a[4][i], a[5][i], b[0][j] - a[0][i]
+    b_x, b_y, b_length, b_width, dy = b[2][j], b[3][j], b[4][j], b[5][j], b[1][j] - a[1][i]
+    cos, sin = np.abs(a_x * b_x + a_y * b_y), np.abs(a_x * b_y - a_y * b_x)
+    widest = np.abs(dx * a_x + dy * a_y) - (a_length + b_length * cos + b_width * sin), a_x, a_y
+    gap = np.abs(dy * a_x - dx * a_y) - (a_width + b_length * sin + b_width * cos)
+    if gap > widest[0]:
+        widest = gap, -a_y, a_x
+    gap = np.abs(dx * b_x + dy * b_y) - (b_length + a_length * cos + a_width * sin)
+    if gap > widest[0]:
+        widest = gap, b_x, b_y
+    gap = np.abs(dy * b_x - dx * b_y) - (b_width + a_length * sin + a_width * cos)
+    if gap > widest[0]:
+        widest = gap, -b_y, b_x
+    return widest
 
 
 def separation(a: Boxes, b: Boxes) -> Floats:
@@ -69,26 +93,39 @@ def separation(a: Boxes, b: Boxes) -> Floats:
     By the separating-axis theorem they overlap if and only if it is negative; its magnitude is then the smallest
     penetration. When positive it is a lower bound of the distance (exact face to face).
     """
-    gaps: Floats = _axes_gaps(a, b).max(0)
+    return _separation(a.parts, b.parts)
+
+
+@kernel
+def _separation(a: tuple[Floats, ...], b: tuple[Floats, ...]) -> Floats:
+    gaps = np.empty(len(a[0]))
+    for k in range(len(gaps)):
+        gaps[k] = _widest_gap(a, k, b, k)[0]
     return gaps
 
 
 def distance(a: Boxes, b: Boxes) -> Floats:
     """Distance of the two boxes, pairwise, (n,) [m]; 0 where they touch or overlap."""
-    apart = np.minimum(_corners_to_sides(a.corners(), b.corners()), _corners_to_sides(b.corners(), a.corners()))
+    apart = _corners_to_sides(a.corners(), b.corners())
     return np.where(separation(a, b) <= 0, 0.0, apart)
 
 
-def _corners_to_sides(corners: Floats, other: Floats) -> Floats:
-    """Smallest distance from any of the corners (n, 4, 2) to any side of the other box, (n,) [m]."""
-    (x, y), (start_x, start_y) = (np.moveaxis(c, -1, 0) for c in (corners, other))
-    side_x, side_y = (np.concatenate([q[:, 1:], q[:, :1]], 1) - q for q in (start_x, start_y))
-    to_x, to_y = x[:, :, None] - start_x[:, None, :], y[:, :, None] - start_y[:, None, :]
-    side_x, side_y = side_x[:, None, :], side_y[:, None, :]
-    share = (to_x * side_x + to_y * side_y) / (side_x**2 + side_y**2)
-    share = np.minimum(np.maximum(share, 0.0), 1.0)
-    off_x, off_y = to_x - share * side_x, to_y - share * side_y
-    result: Floats = np.sqrt((off_x**2 + off_y**2).min(axis=(1, 2)))
+@kernel
+def _corners_to_sides(own: Floats, other: Floats) -> Floats:
+    """Smallest distance from any of the corners (n, 4, 2) of one box to any side of the other, (n,) [m]."""
+    squared = np.full(len(own), np.inf)
+    for corners, box in ((own, other), (other, own)):
+        for k in range(len(own)):
+            for side in range(4):
+                (x, y), (next_x, next_y) = box[k, side], box[k, (side + 1) % 4]
+                side_x, side_y = next_x - x, next_y - y
+                for corner in range(4):
+                    to_x, to_y = corners[k, corner, 0] - x, corners[k, corner, 1] - y
+                    share = (to_x * side_x + to_y * side_y) / (side_x * side_x + side_y * side_y)
+                    share = np.minimum(np.maximum(share, 0.0), 1.0)
+                    off_x, off_y = to_x - share * side_x, to_y - share * side_y
+                    squared[k] = np.minimum(squared[k], off_x * off_x + off_y * off_y)
+    result: Floats = np.sqrt(squared)
     return result
 
 
@@ -117,35 +154,45 @@ def jumped(t: Traffic, slots: Ints) -> Bools:
     return result
 
 
-def _within_reach(x: Floats, y: Floats, reach: Floats) -> tuple[Ints, Ints]:
-    """Pairs, as rows, of those at (x, y) that are no farther apart than both their reaches [m]."""
-    along = x if np.ptp(x) >= np.ptp(y) else y
-    order = along.argsort()
-    line = along[order]
-    # Per row in order: how many of those behind it on the line are near enough on the line.
-    rows = np.arange(len(line))
-    many = line.searchsorted(line + 2 * reach.max(), side="right") - rows - 1
-    first = rows.repeat(many)
-    second = first + 1 + np.arange(len(first)) - (many.cumsum() - many).repeat(many)
-    i, j = order[first], order[second]
-    dx, dy, reach = x[i] - x[j], y[i] - y[j], reach[i] + reach[j]
-    near = (dx * dx + dy * dy <= reach * reach).nonzero()[0]
-    return i[near], j[near]
+@kernel
+def _may_have_touched(
+    boxes: tuple[Floats, ...],
+    wheeled: int,
+    reach: Floats,
+    dx: Floats,
+    dy: Floats,
+    turn: Floats,
+) -> list[tuple[int, int]]:
+    """Pairs, as rows, of boxes that may have touched during the step at whose end they are here.
 
+    They are no farther apart than both their reaches, and touch at its end, or their relative motion along the axis
+    that parts them then, and what their turning moved their ends, was longer than the gap left.
 
-def _may_have_touched(a: Boxes, b: Boxes, *, dx: Floats, dy: Floats, turned: Floats) -> Bools:
-    """Which boxes, where they are at the end of the step, may have touched during it.
-
-    They touch at its end, or their relative motion (dx, dy) along the axis that parts them then, and what their turning
-    moved their ends [m], was longer than the gap left.
+    Args:
+        boxes: `Boxes.parts`, (n,) each.
+        wheeled: rows from this one on are walkers.
+        reach: (n,) from a centre to where the body may have been during the step [m].
+        dx: (n,) motion [m].
+        dy: (n,) motion [m].
+        turn: (n,) sine of the turn.
     """
-    gaps = _axes_gaps(a, b)
-    axis = gaps.argmax(0)
-    of_a, forward = axis < 2, axis % 2 == 0
-    ux, uy = np.where(of_a, a.ux, b.ux), np.where(of_a, a.uy, b.uy)
-    nx, ny = np.where(forward, ux, -uy), np.where(forward, uy, ux)
-    result: Bools = gaps.max(0) < np.abs(dx * nx + dy * ny) + turned
-    return result
+    pairs = []
+    cx, cy, half_length, farthest = boxes[0], boxes[1], boxes[4], 2 * reach.max()
+    line = cx if cx.max() - cx.min() >= cy.max() - cy.min() else cy
+    order = np.argsort(line)
+    for first in range(len(order)):
+        i = order[first]
+        for second in range(first + 1, len(order)):
+            j = order[second]
+            if line[j] > line[i] + farthest:
+                break
+            x, y, both = cx[i] - cx[j], cy[i] - cy[j], reach[i] + reach[j]
+            if x * x + y * y <= both * both and min(i, j) < wheeled:
+                gap, nx, ny = _widest_gap(boxes, i, boxes, j)
+                turned = (turn[i] + turn[j]) * (2 * (half_length[i] + half_length[j]))
+                if gap < np.abs((dx[i] - dx[j]) * nx + (dy[i] - dy[j]) * ny) + turned:
+                    pairs.append((i, j))
+    return pairs
 
 
 def touching(t: Traffic, among: Ints) -> tuple[Ints, Floats]:
@@ -164,34 +211,27 @@ def touching(t: Traffic, among: Ints) -> tuple[Ints, Floats]:
     none = np.zeros((0, 2), np.int64), np.zeros(0)
     if len(rows) < 2:
         return none
-    x, y, heading, length = t.x[rows], t.y[rows], t.heading[rows], t.length[rows]
+    x, y, heading = t.x[rows], t.y[rows], t.heading[rows]
     dx, dy = x - t.old_x[rows], y - t.old_y[rows]
-    end = Boxes.of(x, y, heading, length, t.width[rows])
-    i, j = _within_reach(end.cx, end.cy, np.hypot(end.half_length, end.half_width) + np.hypot(dx, dy))
-    if len(t.walkers):
-        i, j = (k[np.minimum(i, j) < len(among)] for k in (i, j))
-    if not len(i):
-        return none
+    end = Boxes.of(x, y, heading, t.length[rows], t.width[rows])
+    reach = np.hypot(end.half_length, end.half_width) + np.hypot(dx, dy)
     turn = np.abs(np.sin(heading - t.old_heading[rows]))
-    near = _may_have_touched(
-        take(end, i),
-        take(end, j),
-        dx=dx[i] - dx[j],
-        dy=dy[i] - dy[j],
-        turned=(turn[i] + turn[j]) * (length[i] + length[j]),
-    )
-    if not near.any():
+    near = _may_have_touched(end.parts, len(among), reach, dx, dy, turn)
+    if not near:
         return none
-    pairs = np.sort(np.column_stack([rows[i[near]], rows[j[near]]]), axis=1)
+    pairs = np.sort(rows[np.array(near)], axis=1)
     return _first_contacts(t, pairs[np.lexsort(pairs.T[::-1])])
 
 
 def _first_contacts(t: Traffic, pairs: Ints) -> tuple[Ints, Floats]:
     """Which of these pairs (n, 2) touch during the step, and when, as a fraction of it."""
     a, b = pairs.T
+    when, samples = np.repeat(_SAMPLES, len(a)), len(_SAMPLES)
+    one, two = (_boxes_at(t, np.tile(slots, samples), when) for slots in (a, b))
+    inside = (separation(one, two) < 0).reshape(samples, -1)
+    if not inside.any():
+        return pairs[:0], when[:0]
     motion = ~(jumped(t, a) | jumped(t, b))
-    when = _SAMPLES[:, None]
-    inside = separation(_boxes_at(t, a, when), _boxes_at(t, b, when)) < 0
     inside[:-1] &= motion
     hit = inside.any(0)
     pairs, motion = pairs[hit], motion[hit]
@@ -253,9 +293,7 @@ def impact(t: Traffic, pair: Ints, when: float, end_of_step: float) -> Impact:
     if jumped(t, pair).any():  # deep inside each other from the first: the axis of least depth means nothing
         normal = between / max(float(np.hypot(*between)), 1e-9)
     else:
-        axis = int(_axes_gaps(a, b)[:, 0].argmax())
-        owner = boxes.ux[axis // 2], boxes.uy[axis // 2]
-        normal = np.array(owner if axis % 2 == 0 else (-owner[1], owner[0]))
+        normal = np.array(_widest_gap(a.parts, 0, b.parts, 0)[1:])
     normal = normal if normal @ between >= 0 else -normal  # from the first to the second
 
     point = _middle_of_overlap(boxes)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from aeb_sumo.criticality import crossing_ttc, drac, required_decel, ttc, ttc2, yielding_decel
 
@@ -72,3 +73,14 @@ def test_crossing_ttc_does_not_know_who_is_the_other(times):
     one = crossing_ttc(enter=enter, leave=leave, other_enter=other_enter, other_leave=other_leave)
     assert one == crossing_ttc(enter=other_enter, leave=other_leave, other_enter=enter, other_leave=leave)
     assert one == np.inf or one >= max(enter, other_enter)
+
+
+@given(arrays(float, (3, 2, 4), elements=st.floats(allow_infinity=True, allow_nan=True)))
+def test_values_broadcast_and_each_answer_stands_for_itself(values):
+    gap, speed, accel = values[0], values[1][:, :1], values[2][0]
+    together = ttc2(gap=gap, closing_speed=speed, closing_accel=accel)
+    assert together.shape == (2, 4)
+    for i, j in np.ndindex(2, 4):
+        alone = ttc2(gap=gap[i, j], closing_speed=speed[i, 0], closing_accel=accel[j])
+        assert alone.shape == ()
+        np.testing.assert_array_equal(alone, together[i, j])
