@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from aeb_sumo.compiled import kernel
 
-__all__ = ["Bools", "Floats", "Ints", "find", "first_of_each", "fitted", "joined", "mask", "put", "take"]
+__all__ = ["Bools", "Floats", "Ints", "find", "fitted", "joined", "mask", "put", "take"]
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -85,13 +85,6 @@ def _find(keys: Ints, among: Ints) -> tuple[Ints, Bools]:
         j = min(int(np.searchsorted(rising, keys[k])), len(order) - 1)
         at[k], known[k] = order[j], rising[j] == keys[k]
     return at, known
-
-
-def first_of_each(rising: Ints) -> Bools:
-    """(n,) which of these numbers, in rising order, are not the same as the one before."""
-    result = np.ones(len(rising), np.bool_)
-    result[1:] = rising[1:] != rising[:-1]
-    return result
 
 
 def fitted(array: NDArray[Any], size: int) -> NDArray[Any]:
