@@ -11,7 +11,7 @@ import numpy as np
 from aeb_sumo.compiled import kernel
 from aeb_sumo.soa import Bools, Floats, Ints
 
-__all__ = ["NOBODY", "Screens", "diagonals", "hidden"]
+__all__ = ["NOBODY", "Screens", "diagonals", "hidden", "in_sight"]
 
 NOBODY = -1
 """Owner of a screen that belongs to no vehicle."""
@@ -40,6 +40,9 @@ class Screens:
         order = np.argsort(middle, kind="stable")
         spread = float(np.abs(pieces[:, 0] - pieces[:, 2]).max(initial=0.0)) / 2
         return cls(pieces[order], owner[order], middle[order], spread)
+
+
+_NOTHING = Screens.of(np.zeros((0, 4)), np.zeros(0, np.int64))
 
 
 def diagonals(*, x: Floats, y: Floats, heading: Floats, length: Floats, width: Floats) -> Floats:
@@ -77,26 +80,58 @@ def hidden(lines: Floats, ends: Ints, screens: Screens) -> Bools:
     Returns:
         (k,) crossed.
     """
-    return _hidden(lines, ends, screens.pieces, screens.owner, screens.middle, screens.spread)
+    return ~in_sight(lines[:, None], ends, screens, _NOTHING)
+
+
+def in_sight(lines: Floats, ends: Ints, bodies: Screens, walls: Screens) -> Bools:
+    """To whom one of several lines of sight is free.
+
+    Args:
+        lines: (k, p, 4) from each eye to p points of what it looks at; see `hidden`.
+        ends: (k, 2) as for `hidden`.
+        bodies: what is in the way ...
+        walls: ... and what else.
+
+    Returns:
+        (k,) one of the p lines crosses none of them.
+    """
+    return _in_sight(
+        lines, ends, bodies.pieces, bodies.owner, bodies.middle, bodies.spread,
+        walls.pieces, walls.owner, walls.middle, walls.spread,
+    )  # fmt: skip
 
 
 @kernel
-def _hidden(lines: Floats, ends: Ints, pieces: Floats, owner: Ints, middle: Floats, spread: float) -> Bools:
+def _in_sight(
+    lines: Floats, ends: Ints, pieces: Floats, owner: Ints, middle: Floats, spread: float,
+    more_pieces: Floats, more_owner: Ints, more_middle: Floats, more_spread: float,
+) -> Bools:  # fmt: skip
     result = np.zeros(len(lines), np.bool_)
     for k in range(len(lines)):
-        x, y, to_x, to_y = lines[k]
-        # Only screens whose bounding box overlaps the line's may cross it.
-        first = int(np.searchsorted(middle, min(x, to_x) - spread))
-        for j in range(first, len(middle)):
-            if middle[j] > max(x, to_x) + spread:
-                break
-            if owner[j] != NOBODY and (owner[j] == ends[k, 0] or owner[j] == ends[k, 1]):
-                continue
-            one, other = pieces[j, 1], pieces[j, 3]
-            if min(one, other) <= max(y, to_y) and max(one, other) >= min(y, to_y) and _cross(lines[k], pieces[j]):
+        for p in range(lines.shape[1]):
+            line = lines[k, p]
+            if not _hides(line, ends[k], pieces, owner, middle, spread) and not _hides(
+                line, ends[k], more_pieces, more_owner, more_middle, more_spread
+            ):
                 result[k] = True
                 break
     return result
+
+
+@kernel
+def _hides(line: Floats, ends: Ints, pieces: Floats, owner: Ints, middle: Floats, spread: float) -> bool:
+    x, y, to_x, to_y = line
+    # Only screens whose bounding box overlaps the line's may cross it.
+    first = int(np.searchsorted(middle, min(x, to_x) - spread))
+    for j in range(first, len(middle)):
+        if middle[j] > max(x, to_x) + spread:
+            break
+        if owner[j] != NOBODY and (owner[j] == ends[0] or owner[j] == ends[1]):
+            continue
+        one, other = pieces[j, 1], pieces[j, 3]
+        if min(one, other) <= max(y, to_y) and max(one, other) >= min(y, to_y) and _cross(line, pieces[j]):
+            return True
+    return False
 
 
 @kernel

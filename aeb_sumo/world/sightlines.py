@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from aeb_sumo.perception.occlusion import NOBODY, Screens, diagonals, hidden
+from aeb_sumo.perception.occlusion import NOBODY, Screens, diagonals, in_sight
 from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.world.observe import Traffic
 
@@ -43,20 +43,14 @@ class Sightlines:
         t, k = self._traffic, len(ego)
         if not k:
             return np.zeros(0, np.bool_)
-        cos, sin = np.cos(t.heading[other]), np.sin(t.heading[other])
-        back = np.multiply.outer(_POINTS, t.length[other])
-        each = np.empty((len(_POINTS), k, 4))
-        each[..., 0] = t.x[ego] - setback * np.cos(t.heading[ego])
-        each[..., 1] = t.y[ego] - setback * np.sin(t.heading[ego])
-        each[..., 2] = t.x[other] - back * cos
-        each[..., 3] = t.y[other] - back * sin
-        lines = each.reshape(-1, 4)
-        ends = np.tile(np.column_stack([ego, other]), (len(_POINTS), 1))
-        free: Bools = ~hidden(lines, ends, self._bodies_now())
-        if len(self._walls.pieces):
-            free[free] = ~hidden(lines[free], ends[free], self._walls)
-        result: Bools = np.any(free.reshape(-1, k), axis=0)
-        return result
+        heading = t.heading[other]
+        back = np.multiply.outer(t.length[other], _POINTS)
+        lines = np.empty((k, len(_POINTS), 4))
+        lines[..., 0] = (t.x[ego] - setback * np.cos(t.heading[ego]))[:, None]
+        lines[..., 1] = (t.y[ego] - setback * np.sin(t.heading[ego]))[:, None]
+        lines[..., 2] = t.x[other][:, None] - back * np.cos(heading)[:, None]
+        lines[..., 3] = t.y[other][:, None] - back * np.sin(heading)[:, None]
+        return in_sight(lines, np.column_stack([ego, other]), self._bodies_now(), self._walls)
 
     def _bodies_now(self) -> Screens:
         if self._bodies is None:
