@@ -7,7 +7,7 @@ the state of traffic change no draw. Whether a drawn glance takes place depends 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from heapq import heapify, heappop, heappush
+from heapq import heapify, heappop, heappush, heapreplace
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -22,8 +22,7 @@ __all__ = ["Glances", "HardBraking", "Kind", "Lapse", "Lapses", "Robots"]
 _DRAWS = 32  # glances at a time: one by one, drawing costs ten times as much
 
 
-@dataclass(frozen=True)
-class Lapse:
+class Lapse(NamedTuple):
     """A lapse from `start` to `end` [s], in which the driver keeps `accel` [m/s2]; nan: the one he had at its start."""
 
     start: float
@@ -132,16 +131,18 @@ class Robots:
 Kind = HardBraking | Glances | Robots
 
 
-class _Event(NamedTuple):
-    """Compared by its first two, which are never the same: plain tuples are compared fast."""
+@dataclass(eq=False)
+class _Trip:
+    """A driver who may err, from when he departed [s] until he is gone."""
 
-    time: float
-    order: int
     slot: int
-    vehicle: str
-    kind: int
-    lapse: Lapse
-    starts: bool
+    begin: float
+    lapses: list[Iterator[Lapse]]  # by kind
+    over: bool = False
+
+
+_Event = tuple[float, int, _Trip, int, Lapse | None]
+"""Time [s] and running number, which are never the same; trip, kind, and the lapse that begins, None when one ends."""
 
 
 class Lapses:
@@ -153,7 +154,8 @@ class Lapses:
         accel: (slots, kinds) what the driver does in them [m/s2], nan: hold the acceleration.
         glance: index of the glances among the kinds, or None.
         looked_away, looked_back: slots of those whose glance began, or ended, with the last `advance`.
-        changed: of those of whom any lapse did.
+        changed: of those of whom another lapse did.
+        decisive: slot -> index of the kind that decides what a driver does now, glances apart.
     """
 
     def __init__(self, kinds: Sequence[Kind | None], seed: int) -> None:
@@ -162,12 +164,11 @@ class Lapses:
         self._seed = seed
         self._heap: list[_Event] = []
         self._count = 0
-        self._streams: dict[str, list[Iterator[Lapse]]] = {}
-        self._departed: dict[str, float] = {}
-        self._slots: dict[str, int] = {}
+        self._trips: dict[str, _Trip] = {}
         self.looked_away: list[int] = []
         self.looked_back: list[int] = []
         self.changed: list[int] = []
+        self.decisive: dict[int, int] = {}
         self.on: Bools = np.zeros((0, len(self.kinds)), np.bool_)
         self.accel: Floats = np.zeros((0, len(self.kinds)))
 
@@ -176,53 +177,65 @@ class Lapses:
         if not self.kinds:
             return
         self.fit(slot + 1)
-        self._departed[vehicle], self._slots[vehicle] = time, slot
-        self._streams[vehicle] = [k.lapses(stream(self._seed, k.name, vehicle), vehicle) for k in self.kinds]
+        lapses = [k.lapses(stream(self._seed, k.name, vehicle), vehicle) for k in self.kinds]
+        trip = self._trips[vehicle] = _Trip(slot, time, lapses)
         for kind in range(len(self.kinds)):
-            self._next(slot, vehicle, kind)
+            event = self._next(trip, kind)
+            if event is not None:
+                heappush(self._heap, event)
 
     def leave(self, slot: int, vehicle: str) -> None:
         """A driver's trip ends."""
-        if self._departed.pop(vehicle, None) is not None:
-            del self._streams[vehicle], self._slots[vehicle]
+        trip = self._trips.pop(vehicle, None)
+        if trip is not None:
+            trip.over = True
             self.on[slot] = False
-            if len(self._heap) > 64 + 2 * len(self.kinds) * len(self._departed):
-                self._heap = [event for event in self._heap if self._concerns(event)]
+            self.decisive.pop(slot, None)
+            if len(self._heap) > 64 + 2 * len(self.kinds) * len(self._trips):
+                self._heap = [event for event in self._heap if not event[2].over]
                 heapify(self._heap)
 
-    def _concerns(self, event: "_Event") -> bool:
-        """Whether its driver is still on this trip."""
-        return self._slots.get(event.vehicle) == event.slot
-
     def advance(self, time: float) -> None:
-        """Bring `on` and `accel` to `time` [s]."""
+        """Bring all to `time` [s]."""
         self.looked_away, self.looked_back, self.changed = [], [], []
-        while self._heap and self._heap[0].time <= time:
-            event = heappop(self._heap)
-            if not self._concerns(event):
+        heap = self._heap
+        while heap and heap[0][0] <= time:
+            _, _, trip, kind, lapse = heap[0]
+            if trip.over:
+                heappop(heap)
                 continue
-            self.on[event.slot, event.kind] = event.starts
-            self.changed.append(event.slot)
-            if event.kind == self.glance:
-                (self.looked_away if event.starts else self.looked_back).append(event.slot)
-            if event.starts:
-                self.accel[event.slot, event.kind] = event.lapse.accel
-                self._push(event.lapse.end, event.slot, event.vehicle, event.kind, event.lapse, starts=False)
+            slot, starts = trip.slot, lapse is not None
+            self.on[slot, kind] = starts
+            if kind != self.glance:
+                self.changed.append(slot)
+            elif starts:
+                self.looked_away.append(slot)
             else:
-                self._next(event.slot, event.vehicle, event.kind)
+                self.looked_back.append(slot)
+            if lapse is None:
+                following = self._next(trip, kind)
+            else:
+                self.accel[slot, kind] = lapse.accel
+                self._count += 1
+                following = trip.begin + lapse.end, self._count, trip, kind, None
+            if following is None:
+                heappop(heap)
+            else:
+                heapreplace(heap, following)
+        for slot in self.changed:
+            on = [kind for kind in self.on[slot].nonzero()[0].tolist() if kind != self.glance]
+            self.decisive.pop(slot, None)
+            if on:
+                self.decisive[slot] = on[0]
 
     def fit(self, size: int) -> None:
         """Make room for `size` slots."""
         self.on, self.accel = fitted(self.on, size), fitted(self.accel, size)
 
-    def _next(self, slot: int, vehicle: str, kind: int) -> None:
-        lapse = next(self._streams[vehicle][kind], None)
+    def _next(self, trip: _Trip, kind: int) -> _Event | None:
+        """The beginning of a driver's next lapse."""
+        lapse = next(trip.lapses[kind], None)
         if lapse is None:
-            return
-        begin = self._departed[vehicle]
-        lapse = Lapse(begin + lapse.start, begin + lapse.end, lapse.accel)
-        self._push(lapse.start, slot, vehicle, kind, lapse, starts=True)
-
-    def _push(self, time: float, slot: int, vehicle: str, kind: int, lapse: Lapse, *, starts: bool) -> None:
+            return None
         self._count += 1
-        heappush(self._heap, _Event(time, self._count, slot, vehicle, kind, lapse, starts))
+        return trip.begin + lapse.start, self._count, trip, kind, lapse
