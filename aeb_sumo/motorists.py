@@ -107,10 +107,10 @@ class Motorists:
         if self._traffic.driven[slot] or self._profile.robots is not None:
             self._lapses.depart(slot, vehicle, time)
 
-    def leave(self, slot: int, vehicle: str) -> None:
+    def leave(self, slot: int) -> None:
         """A vehicle is gone."""
         self.startling = self.startling[self.startling != slot]
-        self._lapses.leave(slot, vehicle)
+        self._lapses.leave(slot)
         self._onward.forget(slot)
         self.away[slot] = self.attentive[slot] = False
         self._reacting.pop(slot, None)

@@ -7,7 +7,6 @@ the state of traffic change no draw. Whether a drawn glance takes place depends 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from heapq import heapify, heappop, heappush, heapreplace
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -131,22 +130,19 @@ class Robots:
 Kind = HardBraking | Glances | Robots
 
 
-@dataclass(eq=False)
-class _Trip:
-    """A driver who may err, from when he departed [s] until he is gone."""
-
-    slot: int
-    begin: float
-    lapses: list[Iterator[Lapse]]  # by kind
-    over: bool = False
+_Change = tuple[float, bool, float]
+"""When a lapse begins, or ends [s], which of both, and its acceleration [m/s2]."""
+_NEVER: _Change = np.inf, False, np.nan
 
 
-_Event = tuple[float, int, _Trip, int, Lapse | None]
-"""Time [s] and running number, which are never the same; trip, kind, and the lapse that begins, None when one ends."""
+def _changes(lapses: Iterator[Lapse], departure: float) -> Iterator[_Change]:
+    for start, end, accel in lapses:
+        yield departure + start, True, accel
+        yield departure + end, False, accel
 
 
 class Lapses:
-    """All drivers' lapses in the order of time, event by event from a heap.
+    """All drivers' lapses.
 
     Attributes:
         kinds: in order of precedence: the first that is on decides what a driver does.
@@ -162,9 +158,10 @@ class Lapses:
         self.kinds: list[Kind] = [k for k in kinds if k is not None]
         self.glance = next((i for i, kind in enumerate(self.kinds) if isinstance(kind, Glances)), None)
         self._seed = seed
-        self._heap: list[_Event] = []
-        self._count = 0
-        self._trips: dict[str, _Trip] = {}
+        # Per slot and kind, in one row: what changes next, and when.
+        self._changes: dict[int, Iterator[_Change]] = {}
+        self._next: dict[int, _Change] = {}
+        self._due: Floats = np.zeros(0)
         self.looked_away: list[int] = []
         self.looked_back: list[int] = []
         self.changed: list[int] = []
@@ -174,68 +171,54 @@ class Lapses:
 
     def depart(self, slot: int, vehicle: str, time: float) -> None:
         """A driver who may err begins his trip."""
-        if not self.kinds:
-            return
         self.fit(slot + 1)
-        lapses = [k.lapses(stream(self._seed, k.name, vehicle), vehicle) for k in self.kinds]
-        trip = self._trips[vehicle] = _Trip(slot, time, lapses)
-        for kind in range(len(self.kinds)):
-            event = self._next(trip, kind)
-            if event is not None:
-                heappush(self._heap, event)
+        for row, kind in enumerate(self.kinds, slot * len(self.kinds)):
+            self._changes[row] = _changes(kind.lapses(stream(self._seed, kind.name, vehicle), vehicle), time)
+            self._go_on(row)
 
-    def leave(self, slot: int, vehicle: str) -> None:
-        """A driver's trip ends."""
-        trip = self._trips.pop(vehicle, None)
-        if trip is not None:
-            trip.over = True
-            self.on[slot] = False
-            self.decisive.pop(slot, None)
-            if len(self._heap) > 64 + 2 * len(self.kinds) * len(self._trips):
-                self._heap = [event for event in self._heap if not event[2].over]
-                heapify(self._heap)
+    def leave(self, slot: int) -> None:
+        """A driver's trip ends; he may have been one who never errs."""
+        for row in range(slot * len(self.kinds), (slot + 1) * len(self.kinds)):
+            if self._changes.pop(row, None) is not None:
+                del self._next[row]
+                self._due[row] = np.inf
+                self.on[slot] = False
+        self.decisive.pop(slot, None)
 
     def advance(self, time: float) -> None:
         """Bring all to `time` [s]."""
         self.looked_away, self.looked_back, self.changed = [], [], []
-        heap = self._heap
-        while heap and heap[0][0] <= time:
-            _, _, trip, kind, lapse = heap[0]
-            if trip.over:
-                heappop(heap)
-                continue
-            slot, starts = trip.slot, lapse is not None
-            self.on[slot, kind] = starts
-            if kind != self.glance:
-                self.changed.append(slot)
-            elif starts:
-                self.looked_away.append(slot)
-            else:
-                self.looked_back.append(slot)
-            if lapse is None:
-                following = self._next(trip, kind)
-            else:
-                self.accel[slot, kind] = lapse.accel
-                self._count += 1
-                following = trip.begin + lapse.end, self._count, trip, kind, None
-            if following is None:
-                heappop(heap)
-            else:
-                heapreplace(heap, following)
+        rows = (self._due <= time).nonzero()[0]
+        while len(rows):
+            for row in rows[self._due[rows].argsort(kind="stable")].tolist():
+                self._change(row)
+            rows = rows[self._due[rows] <= time]
         for slot in self.changed:
             on = [kind for kind in self.on[slot].nonzero()[0].tolist() if kind != self.glance]
             self.decisive.pop(slot, None)
             if on:
                 self.decisive[slot] = on[0]
 
+    def _change(self, row: int) -> None:
+        """A lapse begins, or ends."""
+        slot, kind = divmod(row, len(self.kinds))
+        _, starts, accel = self._next[row]
+        self.on[slot, kind], self.accel[slot, kind] = starts, accel
+        if kind != self.glance:
+            self.changed.append(slot)
+        elif starts:
+            self.looked_away.append(slot)
+        else:
+            self.looked_back.append(slot)
+        self._go_on(row)
+
+    def _go_on(self, row: int) -> None:
+        self._next[row] = following = next(self._changes[row], _NEVER)
+        self._due[row] = following[0]
+
     def fit(self, size: int) -> None:
         """Make room for `size` slots."""
         self.on, self.accel = fitted(self.on, size), fitted(self.accel, size)
-
-    def _next(self, trip: _Trip, kind: int) -> _Event | None:
-        """The beginning of a driver's next lapse."""
-        lapse = next(trip.lapses[kind], None)
-        if lapse is None:
-            return None
-        self._count += 1
-        return trip.begin + lapse.start, self._count, trip, kind, lapse
+        old = len(self._due)
+        self._due = fitted(self._due, size * len(self.kinds))
+        self._due[old:] = np.inf
