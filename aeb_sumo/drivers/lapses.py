@@ -7,18 +7,21 @@ the state of traffic change no draw. Whether a drawn glance takes place depends 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 from scipy.special import ndtri
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.parameters import check, within
-from aeb_sumo.soa import Bools, Floats, fitted
+from aeb_sumo.soa import Bools, Floats, Ints, fitted
 
 __all__ = ["Glances", "HardBraking", "Kind", "Lapse", "Lapses", "Robots"]
 
 _DRAWS = 32  # glances at a time: one by one, drawing costs ten times as much
+_AHEAD = 8  # lapses of each kind that a driver's next ones are kept of
 
 
 class Lapse(NamedTuple):
@@ -130,17 +133,6 @@ class Robots:
 Kind = HardBraking | Glances | Robots
 
 
-_Change = tuple[float, bool, float]
-"""When a lapse begins, or ends [s], which of both, and its acceleration [m/s2]."""
-_NEVER: _Change = np.inf, False, np.nan
-
-
-def _changes(lapses: Iterator[Lapse], departure: float) -> Iterator[_Change]:
-    for start, end, accel in lapses:
-        yield departure + start, True, accel
-        yield departure + end, False, accel
-
-
 class Lapses:
     """All drivers' lapses.
 
@@ -158,10 +150,14 @@ class Lapses:
         self.kinds: list[Kind] = [k for k in kinds if k is not None]
         self.glance = next((i for i, kind in enumerate(self.kinds) if isinstance(kind, Glances)), None)
         self._seed = seed
-        # Per slot and kind, in one row: what changes next, and when.
-        self._changes: dict[int, Iterator[_Change]] = {}
-        self._next: dict[int, _Change] = {}
+        # Per slot and kind, in one row: all lapses, the next of them as start, end [s] and acceleration, which of these
+        # starts and ends is to come, and when it does; nan when all have been.
+        self._lapses: dict[int, Iterator[Lapse]] = {}
+        self._ahead: Floats = np.zeros((0, _AHEAD, 3))
+        self._at: Ints = np.zeros(0, np.int64)
         self._due: Floats = np.zeros(0)
+        self._told: Ints = np.zeros(0, np.int64)
+        self._departed: dict[int, float] = {}
         self.looked_away: list[int] = []
         self.looked_back: list[int] = []
         self.changed: list[int] = []
@@ -173,14 +169,13 @@ class Lapses:
         """A driver who may err begins his trip."""
         self.fit(slot + 1)
         for row, kind in enumerate(self.kinds, slot * len(self.kinds)):
-            self._changes[row] = _changes(kind.lapses(stream(self._seed, kind.name, vehicle), vehicle), time)
-            self._go_on(row)
+            self._lapses[row], self._departed[row] = kind.lapses(stream(self._seed, kind.name, vehicle), vehicle), time
+            self._look_ahead(row)
 
     def leave(self, slot: int) -> None:
         """A driver's trip ends; he may have been one who never errs."""
         for row in range(slot * len(self.kinds), (slot + 1) * len(self.kinds)):
-            if self._changes.pop(row, None) is not None:
-                del self._next[row]
+            if self._lapses.pop(row, None) is not None:
                 self._due[row] = np.inf
                 self.on[slot] = False
         self.decisive.pop(slot, None)
@@ -188,37 +183,55 @@ class Lapses:
     def advance(self, time: float) -> None:
         """Bring all to `time` [s]."""
         self.looked_away, self.looked_back, self.changed = [], [], []
-        rows = (self._due <= time).nonzero()[0]
-        while len(rows):
-            for row in rows[self._due[rows].argsort(kind="stable")].tolist():
-                self._change(row)
-            rows = rows[self._due[rows] <= time]
+        while changes := _advance(time, self._due, self._at, self._ahead, self.on, self.accel, self._told):
+            for change in self._told[:changes].tolist():
+                row, ends = divmod(change, 2)
+                slot, kind = divmod(row, len(self.kinds))
+                if kind != self.glance:
+                    self.changed.append(slot)
+                elif ends:
+                    self.looked_back.append(slot)
+                else:
+                    self.looked_away.append(slot)
+            for row in np.isnan(self._due).nonzero()[0].tolist():
+                self._look_ahead(row)
         for slot in self.changed:
             on = [kind for kind in self.on[slot].nonzero()[0].tolist() if kind != self.glance]
             self.decisive.pop(slot, None)
             if on:
                 self.decisive[slot] = on[0]
 
-    def _change(self, row: int) -> None:
-        """A lapse begins, or ends."""
-        slot, kind = divmod(row, len(self.kinds))
-        _, starts, accel = self._next[row]
-        self.on[slot, kind], self.accel[slot, kind] = starts, accel
-        if kind != self.glance:
-            self.changed.append(slot)
-        elif starts:
-            self.looked_away.append(slot)
-        else:
-            self.looked_back.append(slot)
-        self._go_on(row)
-
-    def _go_on(self, row: int) -> None:
-        self._next[row] = following = next(self._changes[row], _NEVER)
-        self._due[row] = following[0]
+    def _look_ahead(self, row: int) -> None:
+        """Draw the next lapses."""
+        lapses = list(islice(self._lapses[row], _AHEAD))
+        self._ahead[row] = np.inf
+        if lapses:
+            self._ahead[row, : len(lapses)] = lapses
+            self._ahead[row, :, :2] += self._departed[row]
+        self._at[row], self._due[row] = 0, self._ahead[row, 0, 0]
 
     def fit(self, size: int) -> None:
         """Make room for `size` slots."""
         self.on, self.accel = fitted(self.on, size), fitted(self.accel, size)
-        old = len(self._due)
-        self._due = fitted(self._due, size * len(self.kinds))
+        rows, old = len(self.on) * len(self.kinds), len(self._due)
+        self._ahead, self._at, self._due = (fitted(each, rows) for each in (self._ahead, self._at, self._due))
         self._due[old:] = np.inf
+        self._told = fitted(self._told, rows * 2 * _AHEAD)
+
+
+@kernel
+def _advance(
+    time: float, due: Floats, at: Ints, ahead: Floats, on: Bools, accel: Floats, told: Ints
+) -> int:  # fmt: skip
+    """Begin and end lapses; how many times, and each of them as twice its row, plus one for an end."""
+    changes = 0
+    for row in range(len(due)):
+        while due[row] <= time:
+            slot, kind = row // on.shape[1], row % on.shape[1]
+            lapse, ends = at[row] // 2, at[row] % 2
+            on[slot, kind], accel[slot, kind] = ends == 0, ahead[row, lapse, 2]
+            told[changes] = 2 * row + ends
+            changes += 1
+            at[row] += 1
+            due[row] = ahead[row, at[row] // 2, at[row] % 2] if at[row] < 2 * _AHEAD else np.nan
+    return changes
