@@ -155,9 +155,8 @@ class Traffic:
         sim = libsumo.simulation
         came, went = sim.getDepartedNumber(), sim.getArrivedNumber()
         jumps = sim.getStartingTeleportNumber() or sim.getEndingTeleportNumber()
-        count = libsumo.vehicle.getIDCount()
-        if came or went or jumps or self._away or count != len(self.present):
-            if jumps or self._away or count != len(self.present) + came - went or not self._updated():
+        if came or went or jumps or self._away:
+            if jumps or self._away or not self._updated():
                 self._compared()
             self.present = (self.here & self.wheeled).nonzero()[0]
         if jumps:
