@@ -6,7 +6,7 @@ noticed and reacted he goes on as he is, but does not speed up with his eyes on 
 says, until nothing closes in any more.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from typing import NamedTuple
@@ -186,13 +186,14 @@ class Motorists:
         return Glances.name if self.away[slot] else ""
 
     def _read(self, slots: set[int]) -> None:
-        here = [slot for slot in sorted(slots) if self._traffic.here[slot]]
+        here = [slot for slot in slots if self._traffic.here[slot]]
         if here:
             self._traffic.read(np.array(here))
 
-    def _look(self, slots: Iterable[int]) -> None:
+    def _look(self, slots: Collection[int]) -> None:
         """Drivers look at the vehicles ahead, now: it is no matter of searching."""
-        self._read({*slots, *(self._leads.now(slot)[0] for slot in slots)} - {-1})
+        if slots:
+            self._read({*slots, *(self._leads.now(slot)[0] for slot in slots)} - {-1})
 
     def _warned_away(self) -> list[int]:
         """Slots of drivers whose eyes are off the road, and whom a warning calls back."""
