@@ -126,6 +126,7 @@ class Traffic:
         self.teleports = 0
         self.inserted = 0
         self._admitted = 0
+        self._expected = 0  # vehicles and persons that SUMO has loaded and that have not ended
         self._free: list[int] = []
         self._refreshed: list[int] = []
         self._away: set[str] = set()
@@ -156,8 +157,11 @@ class Traffic:
         sim = libsumo.simulation
         came, went = sim.getDepartedNumber(), sim.getArrivedNumber()
         jumps = sim.getStartingTeleportNumber() or sim.getEndingTeleportNumber()
-        if came or went or jumps or self._away:
-            if jumps or self._away or not self._updated():
+        missed, before, self._expected = False, self._expected, sim.getMinExpectedNumber()
+        if self._expected != before + sim.getLoadedNumber() - went:  # somebody may have been taken away without a word
+            missed = libsumo.vehicle.getIDCount() != len(self.present) + came - went  # which costs a list of all ids
+        if came or went or jumps or missed or self._away:
+            if jumps or missed or self._away or not self._updated():
                 self._compared()
             self.present = (self.here & self.wheeled).nonzero()[0]
         if jumps:
