@@ -265,6 +265,8 @@ class Motorists:
     def _surprised(self, wrecked: Bools) -> None:
         """Followers of those who brake harder than anyone expects."""
         t = self._traffic
+        if self._least_surprise == np.inf:
+            return
         braking = (t.accel < -self._least_surprise).nonzero()[0]
         braking = braking[(t.followed_at[braking] == t.step) & t.here[braking]]
         if not len(braking):

@@ -21,7 +21,7 @@ from aeb_sumo.soa import Bools, Floats, Ints, fitted
 __all__ = ["Glances", "HardBraking", "Kind", "Lapse", "Lapses", "Robots"]
 
 _DRAWS = 32  # glances at a time: one by one, drawing costs ten times as much
-_AHEAD = 8  # lapses of each kind that a driver's next ones are kept of
+_AHEAD = 8  # glances of a driver that are looked ahead
 
 
 class Lapse(NamedTuple):
@@ -203,8 +203,9 @@ class Lapses:
 
     def _look_ahead(self, row: int) -> None:
         """Draw the next lapses."""
-        lapses = list(islice(self._lapses[row], _AHEAD))
-        self._ahead[row] = np.inf
+        some = _AHEAD if row % len(self.kinds) == self.glance else 1  # other lapses are rare
+        lapses = list(islice(self._lapses[row], some))
+        self._ahead[row] = np.inf if len(lapses) < some else np.nan
         if lapses:
             self._ahead[row, : len(lapses)] = lapses
             self._ahead[row, :, :2] += self._departed[row]
