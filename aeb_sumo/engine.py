@@ -93,9 +93,9 @@ class Engine:
         fleet.fit()
         self._sightlines.step()
         self.override.verify()
-        for slot, vehicle in t.left:
+        for slot, _ in t.left:
             fleet.leave(slot)
-            self.motorists.leave(slot, vehicle)
+            self.motorists.leave(slot)
         for slot in t.departed:
             system = self._carried.of(t.ids[slot], vtype=t.vtype[slot], vclass=t.vclass[slot], seed=self.session.seed)
             self.equip(slot, system.name if system else "")

@@ -6,8 +6,9 @@ noticed and reacted he goes on as he is, but does not speed up with his eyes on 
 says, until nothing closes in any more.
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -70,20 +71,22 @@ class Motorists:
         noticed: who noticed a threat in the last step.
         braked: slots of vehicles whose AEB braked in the last step.
         heeded: slots of drivers who do, from this step on, something else because of a warning; it may name others.
+        startling: slots of vehicles that SUMO may at any time let brake so hard that it takes those behind by surprise.
     """
 
     def __init__(self, traffic: Traffic, leads: Leads, profile: Profile, seed: int) -> None:
         self._traffic, self._leads, self._profile, self._seed = traffic, leads, profile, seed
         self._lapses = Lapses((profile.hard_braking, profile.glances, profile.robots), seed)
         self._onward = Onward(traffic)
-        self._startling: set[int] = set()
+        self.startling: Ints = np.zeros(0, np.int64)
         self._reacting: dict[int, _Reacting] = {}
         self._alerts: dict[int, _Alert] = {}  # by slot
+        self._until: dict[int, float] = {}  # slot -> attentive until [s]
+        self._delay = None if profile.warned is None else lru_cache(partial(profile.warned.delay, seed))
         self.erring: Bools = np.zeros(0, np.bool_)
         self.accel: Floats = np.zeros(0)
         self.away: Bools = np.zeros(0, np.bool_)
         self.attentive: Bools = np.zeros(0, np.bool_)
-        self._until: Floats = np.zeros(0)  # attentive until [s]
         self._surprise: Floats = np.zeros(0)
         self._held: Floats = np.zeros(0)
         models = (profile.cars, profile.trucks)
@@ -99,24 +102,20 @@ class Motorists:
         model = self._model(slot)
         self._surprise[slot] = np.inf if model is None else model.surprise
         if self._traffic.brakes[slot] > self._least_surprise:
-            self._startling.add(slot)
-        self._until[slot], self.away[slot], self.attentive[slot] = 0.0, False, False
+            self.startling = np.append(self.startling, slot)
+        self.away[slot] = self.attentive[slot] = False
         if self._traffic.driven[slot] or self._profile.robots is not None:
             self._lapses.depart(slot, vehicle, time)
 
-    def leave(self, slot: int, vehicle: str) -> None:
+    def leave(self, slot: int) -> None:
         """A vehicle is gone."""
-        self._startling.discard(slot)
-        self._lapses.leave(slot, vehicle)
+        self.startling = self.startling[self.startling != slot]
+        self._lapses.leave(slot)
         self._onward.forget(slot)
         self.away[slot] = self.attentive[slot] = False
         self._reacting.pop(slot, None)
         self._alerts.pop(slot, None)
-
-    @property
-    def startling(self) -> Ints:
-        """Slots of vehicles that SUMO may at any time let brake so hard that it takes those behind by surprise."""
-        return np.array(sorted(self._startling), np.int64)
+        self._until.pop(slot, None)
 
     def hear(self, time: float, warnings: Iterable[tuple[str, str]]) -> None:
         """AEBs warn.
@@ -125,14 +124,13 @@ class Motorists:
             time: from when on it can be heard: the end of the coming step [s].
             warnings: vehicles whose AEB warns or brakes in it, and their targets.
         """
-        warned = self._profile.warned
-        if warned is None:
+        if self._delay is None:
             return
         for vehicle, target in warnings:
             slot = self._traffic.slot[vehicle]
             known = self._alerts.get(slot, _Alert("", np.inf, np.inf))
             if target != known.target:
-                alert = _Alert(target, time + warned.delay(self._seed, vehicle, target), time)
+                alert = _Alert(target, time + self._delay(vehicle, target), time)
                 self._alerts[slot] = alert if alert.due <= known.due else known._replace(target=target)
 
     def alerted(self, slot: int, span: tuple[float, float], *, by: float) -> bool:
@@ -160,14 +158,13 @@ class Motorists:
             aeb: per slot, deceleration by their AEBs' brakes in the last step [m/s2].
             wrecked: per slot.
         """
-        t = self._traffic
         self._fit()
         self.noticed, self.heeded = [], set()
         self.braked = set((aeb > 0).nonzero()[0].tolist())
         self._wrecked = wrecked.copy()  # as of this step: what a driver does when he crashes is his error
         self._lapses.advance(time)
         self._heed(time)
-        self._read({*self._lapses.changed, *self._warned_away()})
+        self._read({*self._lapses.changed, *self._lapses.looked_away})
         self._glance()
         self._surprised(wrecked)
         self._react(time, wrecked)
@@ -175,36 +172,32 @@ class Motorists:
         self.accel[:] = self._held
         for slot, driver in self._reacting.items():
             self.erring[slot], self.accel[slot] = True, self._reaction(driver, time)
-        for kind in reversed(range(len(self._lapses.kinds))):
-            if kind != self._lapses.glance:
-                on = self._lapses.on[: t.capacity, kind].nonzero()[0]
-                self.erring[on], self.accel[on] = True, self._lapses.accel[on, kind]
+        for slot, kind in self._lapses.decisive.items():
+            self.erring[slot], self.accel[slot] = True, self._lapses.accel[slot, kind]
 
     def error(self, slot: int) -> str:
         """What a driver does wrong now, by name, or empty."""
         if slot >= len(self._wrecked) or self._wrecked[slot]:
             return ""
-        for kind, on in enumerate(self._lapses.on[slot].tolist()):
-            if on and kind != self._lapses.glance:
-                return self._lapses.kinds[kind].name
+        if slot in self._lapses.decisive:
+            return self._lapses.kinds[self._lapses.decisive[slot]].name
         if slot in self._reacting:
             return Glances.name if self._reacting[slot].late else "surprised"
         return Glances.name if self.away[slot] else ""
 
     def _read(self, slots: set[int]) -> None:
-        here = [slot for slot in sorted(slots) if self._traffic.here[slot]]
+        here = [slot for slot in slots if self._traffic.here[slot]]
         if here:
             self._traffic.read(np.array(here))
 
-    def _look(self, slots: Iterable[int]) -> None:
+    def _look(self, slots: Collection[int]) -> None:
         """Drivers look at the vehicles ahead, now: it is no matter of searching."""
-        self._read({*slots, *(self._leads.now(slot)[0] for slot in slots)} - {-1})
+        if slots:
+            self._read({*slots, *(self._leads.now(slot)[0] for slot in slots)} - {-1})
 
     def _warned_away(self) -> list[int]:
         """Slots of drivers whose eyes are off the road, and whom a warning calls back."""
-        if self._profile.warned is None or not self._until.any():
-            return []
-        return (self.away & self.attentive).nonzero()[0].tolist()
+        return [slot for slot in sorted(self._until) if self.away[slot]]
 
     def _model(self, slot: int) -> Reaction | None:
         return self._profile.trucks if self._traffic.vclass[slot] in VClasses.HEAVY else self._profile.cars
@@ -218,8 +211,10 @@ class Motorists:
             if time >= alert.due:  # also when the warning has ended meanwhile
                 self._until[slot] = time + warned.attention
                 del self._alerts[slot]
-        if self._until.any():
-            self.attentive[:] = self._until > time
+        for slot, until in list(self._until.items()):
+            self.attentive[slot] = until > time
+            if until <= time:
+                del self._until[slot]
 
     def _glance(self) -> None:
         t, calm = self._traffic, self._profile.glances
@@ -228,7 +223,8 @@ class Motorists:
         warned = self._warned_away()
         self.heeded.update(warned)
         back = [slot for slot in [*self._lapses.looked_back, *warned] if self.away[slot]]
-        self.away[back] = False
+        for slot in back:
+            self.away[slot] = False
         # Where no conflict is possible there is nothing to react to.
         back = [slot for slot in back if self._leads.possible[slot]]
         self._look(back)
@@ -269,7 +265,10 @@ class Motorists:
     def _surprised(self, wrecked: Bools) -> None:
         """Followers of those who brake harder than anyone expects."""
         t = self._traffic
-        braking = (t.followed & t.here & (t.accel < -self._least_surprise)).nonzero()[0]
+        if self._least_surprise == np.inf:
+            return
+        braking = (t.accel < -self._least_surprise).nonzero()[0]
+        braking = braking[(t.followed_at[braking] == t.step) & t.here[braking]]
         if not len(braking):
             return
         rows = self._leads.behind(braking)
@@ -374,5 +373,5 @@ class Motorists:
         if len(self.erring) == n:
             return
         self._lapses.fit(n)
-        for name in ("erring", "accel", "away", "attentive", "_until", "_surprise", "_held"):
+        for name in ("erring", "accel", "away", "attentive", "_surprise", "_held"):
             setattr(self, name, fitted(getattr(self, name), n))

@@ -7,23 +7,24 @@ the state of traffic change no draw. Whether a drawn glance takes place depends 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from heapq import heapify, heappop, heappush
+from itertools import islice
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 from scipy.special import ndtri
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.parameters import check, within
-from aeb_sumo.soa import Bools, Floats, fitted
+from aeb_sumo.soa import Bools, Floats, Ints, fitted
 
 __all__ = ["Glances", "HardBraking", "Kind", "Lapse", "Lapses", "Robots"]
 
 _DRAWS = 32  # glances at a time: one by one, drawing costs ten times as much
+_AHEAD = 8  # glances of a driver that are looked ahead
 
 
-@dataclass(frozen=True)
-class Lapse:
+class Lapse(NamedTuple):
     """A lapse from `start` to `end` [s], in which the driver keeps `accel` [m/s2]; nan: the one he had at its start."""
 
     start: float
@@ -132,20 +133,8 @@ class Robots:
 Kind = HardBraking | Glances | Robots
 
 
-class _Event(NamedTuple):
-    """Compared by its first two, which are never the same: plain tuples are compared fast."""
-
-    time: float
-    order: int
-    slot: int
-    vehicle: str
-    kind: int
-    lapse: Lapse
-    starts: bool
-
-
 class Lapses:
-    """All drivers' lapses in the order of time, event by event from a heap.
+    """All drivers' lapses.
 
     Attributes:
         kinds: in order of precedence: the first that is on decides what a driver does.
@@ -153,76 +142,97 @@ class Lapses:
         accel: (slots, kinds) what the driver does in them [m/s2], nan: hold the acceleration.
         glance: index of the glances among the kinds, or None.
         looked_away, looked_back: slots of those whose glance began, or ended, with the last `advance`.
-        changed: of those of whom any lapse did.
+        changed: of those of whom another lapse did.
+        decisive: slot -> index of the kind that decides what a driver does now, glances apart.
     """
 
     def __init__(self, kinds: Sequence[Kind | None], seed: int) -> None:
         self.kinds: list[Kind] = [k for k in kinds if k is not None]
         self.glance = next((i for i, kind in enumerate(self.kinds) if isinstance(kind, Glances)), None)
         self._seed = seed
-        self._heap: list[_Event] = []
-        self._count = 0
-        self._streams: dict[str, list[Iterator[Lapse]]] = {}
-        self._departed: dict[str, float] = {}
-        self._slots: dict[str, int] = {}
+        # Per slot and kind, in one row: all lapses, the next of them as start, end [s] and acceleration, which of these
+        # starts and ends is to come, and when it does; nan when all have been.
+        self._lapses: dict[int, Iterator[Lapse]] = {}
+        self._ahead: Floats = np.zeros((0, _AHEAD, 3))
+        self._at: Ints = np.zeros(0, np.int64)
+        self._due: Floats = np.zeros(0)
+        self._told: Ints = np.zeros(0, np.int64)
+        self._departed: dict[int, float] = {}
         self.looked_away: list[int] = []
         self.looked_back: list[int] = []
         self.changed: list[int] = []
+        self.decisive: dict[int, int] = {}
         self.on: Bools = np.zeros((0, len(self.kinds)), np.bool_)
         self.accel: Floats = np.zeros((0, len(self.kinds)))
 
     def depart(self, slot: int, vehicle: str, time: float) -> None:
         """A driver who may err begins his trip."""
-        if not self.kinds:
-            return
         self.fit(slot + 1)
-        self._departed[vehicle], self._slots[vehicle] = time, slot
-        self._streams[vehicle] = [k.lapses(stream(self._seed, k.name, vehicle), vehicle) for k in self.kinds]
-        for kind in range(len(self.kinds)):
-            self._next(slot, vehicle, kind)
+        for row, kind in enumerate(self.kinds, slot * len(self.kinds)):
+            self._lapses[row], self._departed[row] = kind.lapses(stream(self._seed, kind.name, vehicle), vehicle), time
+            self._look_ahead(row)
 
-    def leave(self, slot: int, vehicle: str) -> None:
-        """A driver's trip ends."""
-        if self._departed.pop(vehicle, None) is not None:
-            del self._streams[vehicle], self._slots[vehicle]
-            self.on[slot] = False
-            if len(self._heap) > 64 + 2 * len(self.kinds) * len(self._departed):
-                self._heap = [event for event in self._heap if self._concerns(event)]
-                heapify(self._heap)
-
-    def _concerns(self, event: "_Event") -> bool:
-        """Whether its driver is still on this trip."""
-        return self._slots.get(event.vehicle) == event.slot
+    def leave(self, slot: int) -> None:
+        """A driver's trip ends; he may have been one who never errs."""
+        for row in range(slot * len(self.kinds), (slot + 1) * len(self.kinds)):
+            if self._lapses.pop(row, None) is not None:
+                self._due[row] = np.inf
+                self.on[slot] = False
+        self.decisive.pop(slot, None)
 
     def advance(self, time: float) -> None:
-        """Bring `on` and `accel` to `time` [s]."""
+        """Bring all to `time` [s]."""
         self.looked_away, self.looked_back, self.changed = [], [], []
-        while self._heap and self._heap[0].time <= time:
-            event = heappop(self._heap)
-            if not self._concerns(event):
-                continue
-            self.on[event.slot, event.kind] = event.starts
-            self.changed.append(event.slot)
-            if event.kind == self.glance:
-                (self.looked_away if event.starts else self.looked_back).append(event.slot)
-            if event.starts:
-                self.accel[event.slot, event.kind] = event.lapse.accel
-                self._push(event.lapse.end, event.slot, event.vehicle, event.kind, event.lapse, starts=False)
-            else:
-                self._next(event.slot, event.vehicle, event.kind)
+        while changes := _advance(time, self._due, self._at, self._ahead, self.on, self.accel, self._told):
+            for change in self._told[:changes].tolist():
+                row, ends = divmod(change, 2)
+                slot, kind = divmod(row, len(self.kinds))
+                if kind != self.glance:
+                    self.changed.append(slot)
+                elif ends:
+                    self.looked_back.append(slot)
+                else:
+                    self.looked_away.append(slot)
+            for row in np.isnan(self._due).nonzero()[0].tolist():
+                self._look_ahead(row)
+        for slot in self.changed:
+            on = [kind for kind in self.on[slot].nonzero()[0].tolist() if kind != self.glance]
+            self.decisive.pop(slot, None)
+            if on:
+                self.decisive[slot] = on[0]
+
+    def _look_ahead(self, row: int) -> None:
+        """Draw the next lapses."""
+        some = _AHEAD if row % len(self.kinds) == self.glance else 1  # other lapses are rare
+        lapses = list(islice(self._lapses[row], some))
+        self._ahead[row] = np.inf if len(lapses) < some else np.nan
+        if lapses:
+            self._ahead[row, : len(lapses)] = lapses
+            self._ahead[row, :, :2] += self._departed[row]
+        self._at[row], self._due[row] = 0, self._ahead[row, 0, 0]
 
     def fit(self, size: int) -> None:
         """Make room for `size` slots."""
         self.on, self.accel = fitted(self.on, size), fitted(self.accel, size)
+        rows, old = len(self.on) * len(self.kinds), len(self._due)
+        self._ahead, self._at, self._due = (fitted(each, rows) for each in (self._ahead, self._at, self._due))
+        self._due[old:] = np.inf
+        self._told = fitted(self._told, rows * 2 * _AHEAD)
 
-    def _next(self, slot: int, vehicle: str, kind: int) -> None:
-        lapse = next(self._streams[vehicle][kind], None)
-        if lapse is None:
-            return
-        begin = self._departed[vehicle]
-        lapse = Lapse(begin + lapse.start, begin + lapse.end, lapse.accel)
-        self._push(lapse.start, slot, vehicle, kind, lapse, starts=True)
 
-    def _push(self, time: float, slot: int, vehicle: str, kind: int, lapse: Lapse, *, starts: bool) -> None:
-        self._count += 1
-        heappush(self._heap, _Event(time, self._count, slot, vehicle, kind, lapse, starts))
+@kernel
+def _advance(
+    time: float, due: Floats, at: Ints, ahead: Floats, on: Bools, accel: Floats, told: Ints
+) -> int:  # fmt: skip
+    """Begin and end lapses; how many times, and each of them as twice its row, plus one for an end."""
+    changes = 0
+    for row in range(len(due)):
+        while due[row] <= time:
+            slot, kind = row // on.shape[1], row % on.shape[1]
+            lapse, ends = at[row] // 2, at[row] % 2
+            on[slot, kind], accel[slot, kind] = ends == 0, ahead[row, lapse, 2]
+            told[changes] = 2 * row + ends
+            changes += 1
+            at[row] += 1
+            due[row] = ahead[row, at[row] // 2, at[row] % 2] if at[row] < 2 * _AHEAD else np.nan
+    return changes

@@ -53,7 +53,10 @@ class Bottlenecks:
         self._fit()
         rows = self._traffic.present
         names = lanes(self._traffic, rows)
-        now = np.array([self._number(name) for name in names], np.int64)
+        for name in names:
+            if name not in self._numbers:
+                self._enter(name)
+        now = np.fromiter(map(self._numbers.__getitem__, names), np.int64, len(names))
         before = self._lane[rows]
         self._lane[rows] = np.where(now >= 0, now, before)
         edge_of = np.array([*self._edge_of, -1])  # the last for no lane
@@ -79,18 +82,16 @@ class Bottlenecks:
         lanes, count = np.unique(self._lane[slots[near]], return_counts=True)
         return set(lanes[count >= _QUEUE].tolist())
 
-    def _number(self, lane: str) -> int:
-        """Of a lane; -1 for one in a junction, or none, as of who parks."""
-        number = self._numbers.get(lane)
-        if number is None and (not lane or lane.startswith(":")):
-            number = self._numbers[lane] = -1
-        if number is None:
-            number = self._numbers[lane] = len(self._edge_of)
-            edge = lane.rpartition("_")[0]
-            for ahead in next_lanes(lane):
-                self._feeders.setdefault(ahead, set()).add(number)
-            self._edge_of.append(self._edges.setdefault(edge, len(self._edges)))
-        return number
+    def _enter(self, lane: str) -> None:
+        """Number a lane; one in a junction, or none, as of who parks, is -1."""
+        if not lane or lane.startswith(":"):
+            self._numbers[lane] = -1
+            return
+        number = self._numbers[lane] = len(self._edge_of)
+        edge = lane.rpartition("_")[0]
+        for ahead in next_lanes(lane):
+            self._feeders.setdefault(ahead, set()).add(number)
+        self._edge_of.append(self._edges.setdefault(edge, len(self._edges)))
 
     def _fit(self) -> None:
         old = len(self._lane)

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,8 +14,7 @@ from aeb_sumo.strategies.base import Phase
 __all__ = ["Action", "Intervention", "Interventions"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Action:
+class Action(NamedTuple):
     """What one vehicle's AEB does in one step, and why.
 
     Attributes:
@@ -108,7 +107,8 @@ class Interventions:
         entry.lowest = min(entry.lowest, action.speed)
         row["phase"] = max(row["phase"], action.phase)
         row["max_decel_mps2"] = max(row["max_decel_mps2"], action.decel)
-        row["min_gap_m"] = float(np.nanmin([row["min_gap_m"], action.gap])) if action.target else row["min_gap_m"]
+        if action.target:
+            row["min_gap_m"] = float(np.fmin(row["min_gap_m"], action.gap))
         if action.phase >= Phase.PARTIAL_BRAKE and entry.braking_from is None:
             entry.braking_from = entry.lowest = action.speed
             row |= {

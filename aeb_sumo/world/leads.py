@@ -1,8 +1,11 @@
 """The vehicle ahead of each vehicle: searched for in a cycle, and read in every step where a conflict is possible."""
 
+from itertools import repeat
+
 import libsumo
 import numpy as np
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.soa import Bools, Floats, Ints, fitted, mask
 from aeb_sumo.world.observe import Traffic
 
@@ -45,7 +48,7 @@ class Leads:
         self.horizon: Floats = np.zeros(0)
         self._every = max(1, round(cycle / traffic.dt))  # steps
         self._turn: list[dict[int, str]] = [{} for _ in range(self._every)]  # slot -> id, by phase
-        self._rows: list[Ints | None] = [None] * self._every  # their slots
+        self._rows: list[tuple[Ints, list[str]] | None] = [None] * self._every  # the same, as `_search` has it
         self.lead: Ints = np.zeros(0, np.int64)
         self.gap: Floats = np.zeros(0)
         self.egos: Ints = np.zeros(0, np.int64)
@@ -68,15 +71,16 @@ class Leads:
         if t.left or t.departed:
             self._enrol()
         phase = t.step % self._every
-        rows = self._rows[phase]
-        if rows is None:
-            rows = self._rows[phase] = np.fromiter(self._turn[phase], np.int64, len(self._turn[phase]))
+        turn = self._turn[phase]
+        searching = self._rows[phase]
+        if searching is None:
+            searching = self._rows[phase] = np.fromiter(turn, np.int64, len(turn)), list(turn.values())
         known = self._watching.nonzero()[0]
         if len(known):
             self._look_again(known[t.here[known]], phase)
-        if len(rows):
-            self._search(rows, list(self._turn[phase].values()))
-        new = [slot for slot in t.departed if slot not in self._turn[phase]]
+        if turn:
+            self._search(*searching)
+        new = [slot for slot in t.departed if slot not in turn]
         if new:  # who has just come does not wait for his turn
             self._search(np.array(new), [t.ids[slot] for slot in new])
         self.possible = self._watching & (self.lead >= 0) & t.here
@@ -105,14 +109,14 @@ class Leads:
     def _enrol(self) -> None:
         """Who came takes his turn from now on; nobody is behind or ahead any more of who went."""
         t = self._traffic
-        gone = [slot for slot, _ in t.left]
-        for slot in gone:
-            for phase, turn in enumerate(self._turn):
-                if turn.pop(slot, None) is not None:
-                    self._rows[phase] = None
-        if gone:
-            of_gone = np.isin(self.lead, gone) | np.isin(self._found, gone)
-            of_gone[gone] = True
+        if t.left:
+            gone = np.array([slot for slot, _ in t.left])
+            for slot in gone.tolist():
+                for phase, turn in enumerate(self._turn):
+                    if turn.pop(slot, None) is not None:
+                        self._rows[phase] = None
+            went = mask(gone, t.capacity)
+            of_gone = went | (went[self.lead] & (self.lead >= 0)) | (went[self._found] & (self._found >= 0))
             self._forget(of_gone.nonzero()[0])
         for slot in t.departed:
             phase = int(t.serial[slot]) % self._every
@@ -145,26 +149,42 @@ class Leads:
 
     def _search(self, rows: Ints, ids: list[str]) -> None:
         """Who is ahead of these, and whether a conflict with him is possible."""
-        t, get, slots = self._traffic, libsumo.vehicle.getLeader, self._traffic.slot
-        answers = [get(vehicle, REACH) or _NOBODY for vehicle in ids]
-        names, gaps = zip(*answers, strict=True)
-        lead = np.array([slots.get(name, -1) for name in names])
-        gap = np.where(lead >= 0, np.array(gaps) + t.min_gap[rows], np.inf)
-        found = lead >= 0
-        same = found & (lead == self._found[rows])
-        span = np.where(same, (t.step - self._found_at[rows]) * t.dt, np.inf)
-        rate = np.full(len(rows), np.nan)
-        rate[same] = (self._found_gap[rows[same]] - gap[same]) / span[same]
+        t, get, n = self._traffic, libsumo.vehicle.getLeader, len(rows)
+        names, gaps = zip(*[get(vehicle, REACH) or _NOBODY for vehicle in ids], strict=True)
+        lead = np.fromiter(map(t.slot.get, names, repeat(-1)), np.int64, n)
+        closing = np.zeros(n)  # needed where it is another than before
         speed = libsumo.vehicle.getSpeed
-        for k in (found & ~same).nonzero()[0].tolist():
-            rate[k] = speed(ids[k]) - speed(names[k])
-        growth = np.where(same, (rate - self.rate[rows]) / span, 0.0)
-        horizon = self.horizon[rows]
-        sooner = horizon - _SOONER
-        growing = rate * sooner + np.maximum(growth, 0.0) * (sooner**2 / 2)
-        near = gap < CLOSE + np.maximum(rate * horizon, growing)
-        self._watching[rows] = near & ((rate != 0) | (growth != 0))
-        self._found_at[rows], self.known[rows] = t.step, same
-        self.lead[rows] = self._found[rows] = lead
-        self.gap[rows] = self._found_gap[rows] = gap
-        self.rate[rows] = rate
+        for k in ((lead != self._found[rows]) & (lead >= 0)).nonzero()[0].tolist():
+            closing[k] = speed(ids[k]) - speed(names[k])
+        _judge(
+            rows, lead, np.fromiter(gaps, float, n), closing, t.min_gap, self.horizon, t.step, t.dt, self._found,
+            self._found_at, self._found_gap, self.rate, self.known, self._watching, self.lead, self.gap,
+        )  # fmt: skip
+
+
+@kernel
+def _judge(
+    rows: Ints, ahead: Ints, distance: Floats, closing: Floats, min_gap: Floats, horizon: Floats, step: int, dt: float,
+    found: Ints, found_at: Ints, found_gap: Floats, rate: Floats, known: Bools, watching: Bools,
+    lead: Ints, gap: Floats,
+) -> None:  # fmt: skip
+    """Per slot, what is known now that each of these rows has found who is ahead, how far and closing in how fast."""
+    for k in range(len(rows)):
+        row = rows[k]
+        known[row] = watching[row] = False
+        new_gap, new_rate = np.inf, np.nan
+        if ahead[k] >= 0:
+            new_gap, new_rate, growth = distance[k] + min_gap[row], closing[k], 0.0
+            if ahead[k] == found[row]:
+                known[row] = True
+                span = (step - found_at[row]) * dt
+                new_rate = (found_gap[row] - new_gap) / span
+                growth = (new_rate - rate[row]) / span
+            sooner = horizon[row] - _SOONER
+            growing = new_rate * sooner + np.maximum(growth, 0.0) * (sooner * sooner / 2)
+            near = new_gap < CLOSE + np.maximum(new_rate * horizon[row], growing)
+            watching[row] = near and (new_rate != 0 or growth != 0)
+        found_at[row] = step
+        lead[row] = found[row] = ahead[k]
+        gap[row] = found_gap[row] = new_gap
+        rate[row] = new_rate

@@ -3,6 +3,7 @@
 import libsumo
 import numpy as np
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
 
 __all__ = ["Traffic", "VClasses"]
@@ -125,6 +126,7 @@ class Traffic:
         self.teleports = 0
         self.inserted = 0
         self._admitted = 0
+        self._expected = 0  # vehicles and persons that SUMO has loaded and that have not ended
         self._free: list[int] = []
         self._refreshed: list[int] = []
         self._away: set[str] = set()
@@ -155,9 +157,11 @@ class Traffic:
         sim = libsumo.simulation
         came, went = sim.getDepartedNumber(), sim.getArrivedNumber()
         jumps = sim.getStartingTeleportNumber() or sim.getEndingTeleportNumber()
-        count = libsumo.vehicle.getIDCount()
-        if came or went or jumps or self._away or count != len(self.present):
-            if jumps or self._away or count != len(self.present) + came - went or not self._updated():
+        missed, before, self._expected = False, self._expected, sim.getMinExpectedNumber()
+        if self._expected != before + sim.getLoadedNumber() - went:  # somebody may have been taken away without a word
+            missed = libsumo.vehicle.getIDCount() != len(self.present) + came - went  # which costs a list of all ids
+        if came or went or jumps or missed or self._away:
+            if jumps or missed or self._away or not self._updated():
                 self._compared()
             self.present = (self.here & self.wheeled).nonzero()[0]
         if jumps:
@@ -170,16 +174,17 @@ class Traffic:
         rows = slots[self.read_at[slots] != self.step]
         if not len(rows):
             return
-        for name in ("x", "y", "heading"):
-            getattr(self, "old_" + name)[rows] = getattr(self, name)[rows]
-        get = libsumo.vehicle
+        get, ids = libsumo.vehicle, self.ids
         position, angle, speed, accel = get.getPosition, get.getAngle, get.getSpeed, get.getAcceleration
-        ids = self.ids
-        state = np.array([(*position(v), angle(v), speed(v), accel(v)) for v in (ids[k] for k in rows.tolist())]).T
-        self.x[rows], self.y[rows], heading, self.speed[rows], self.accel[rows] = state
-        self.heading[rows] = np.radians(90.0 - heading)
-        self.old_speed[rows] = self.speed[rows] - self.accel[rows] * self.dt
-        self.read_at[rows] = self.step
+        state = []
+        for vehicle in [ids[slot] for slot in rows.tolist()]:
+            state += position(vehicle)
+            state += angle(vehicle), speed(vehicle), accel(vehicle)
+        now = np.array(state).reshape(-1, 5)
+        _take_in(
+            rows, now, np.radians(90.0 - now[:, 2]), self.step, self.dt, self.read_at, self.x, self.y, self.heading,
+            self.speed, self.accel, self.old_x, self.old_y, self.old_heading, self.old_speed,
+        )  # fmt: skip
 
     def follow(self, slots: Ints) -> None:
         """Read the vehicles on the road in these slots, and know in the next step where they were in this one.
@@ -187,15 +192,10 @@ class Traffic:
         Whether somebody else looks on (`read`, `every`) makes no difference.
         """
         self.read(slots)
-        new = slots[(self.followed_at[slots] < self.step - 1) | self.fresh[slots]]
-        self.sudden[slots[self.followed_at[slots] < self.step]] = False
-        if len(new):
-            self.sudden[new] = True
-            for name in ("x", "y", "heading"):
-                getattr(self, "old_" + name)[new] = getattr(self, name)[new]
-            new = new[self.fresh[new]]
-            self.old_speed[new], self.accel[new] = self.speed[new], 0.0
-        self.followed_at[slots] = self.step
+        _take_up(
+            slots, self.step, self.fresh, self.followed_at, self.sudden, self.x, self.y, self.heading, self.speed,
+            self.accel, self.old_x, self.old_y, self.old_heading, self.old_speed,
+        )  # fmt: skip
 
     def _updated(self) -> bool:
         """Take in who departed and arrived by SUMO's lists; False if they do not tell all."""
@@ -295,3 +295,37 @@ class Traffic:
     def release_slots(self) -> None:
         """Let the slots in `left` be used again; called when everyone has closed their books on them."""
         self._free.extend(slot for slot, _ in self.left)
+
+
+@kernel
+def _take_in(
+    rows: Ints, now: Floats, heading_now: Floats, step: int, dt: float, read_at: Ints, x: Floats, y: Floats,
+    heading: Floats, speed: Floats, accel: Floats, old_x: Floats, old_y: Floats, old_heading: Floats, old_speed: Floats,
+) -> None:  # fmt: skip
+    """What has been read of these, (n, 5) of position, SUMO's angle, speed and acceleration; what was is old now."""
+    for k in range(len(rows)):
+        slot = rows[k]
+        if read_at[slot] != step:  # not twice: who is named twice has one state
+            read_at[slot] = step
+            old_x[slot], old_y[slot], old_heading[slot] = x[slot], y[slot], heading[slot]
+            x[slot], y[slot], heading[slot] = now[k, 0], now[k, 1], heading_now[k]
+            speed[slot], accel[slot] = now[k, 3], now[k, 4]
+            old_speed[slot] = speed[slot] - accel[slot] * dt
+
+
+@kernel
+def _take_up(
+    slots: Ints, step: int, fresh: Bools, followed_at: Ints, sudden: Bools, x: Floats, y: Floats, heading: Floats,
+    speed: Floats, accel: Floats, old_x: Floats, old_y: Floats, old_heading: Floats, old_speed: Floats,
+) -> None:  # fmt: skip
+    """Follow these, who have been read; who was not followed a step ago has no earlier state."""
+    for slot in slots:
+        new = followed_at[slot] < step - 1 or fresh[slot]
+        if followed_at[slot] < step:
+            sudden[slot] = False
+        if new:
+            sudden[slot] = True
+            old_x[slot], old_y[slot], old_heading[slot] = x[slot], y[slot], heading[slot]
+            if fresh[slot]:
+                old_speed[slot], accel[slot] = speed[slot], 0.0
+        followed_at[slot] = step

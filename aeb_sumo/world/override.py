@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import libsumo
 import numpy as np
 
+from aeb_sumo.compiled import kernel
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
 from aeb_sumo.units import G
 from aeb_sumo.world.friction import Friction
@@ -24,6 +25,7 @@ _EXECUTE_BLINDLY = 32
 
 _HARD = 2.0  # m/s2, our assumption: less than any that takes those behind by surprise
 _HOLD = 10.0  # s, the longest that an acceleration is left to SUMO
+_TAKE, _MODE, _HOLDS = 1, 2, 4  # what there is to do with a vehicle before it gets its command, or in its place
 _PEDAL_RELEASE = 3.0  # m/s3, how fast a foot that may be off the brake is taken to leave it, our assumption
 
 
@@ -91,21 +93,22 @@ class Override:
         for slot in t.departed:
             self._taken[slot] = False
             self._foot[slot] = 0.0
-        rows = (self._taken & ~self._holding & t.here & ~t.fresh).nonzero()[0]
-        if len(rows):
-            self._compare(rows, self._commanded[rows], len(rows))
+        rows = (self._taken & t.here).nonzero()[0]
+        rows = rows[~(self._holding[rows] | t.fresh[rows])]
+        self.audit.commands += len(rows)
+        self._compare(rows, self._commanded[rows])
 
-    def _compare(self, rows: Ints, expected: Floats, commands: int) -> None:
-        """Whether the vehicles in these slots drive at the speeds [m/s] that so many commands should have led to."""
-        get, ids, t = libsumo.vehicle.getSpeed, self._traffic.ids, self._traffic
-        t.speed[rows] = [get(ids[slot]) for slot in rows.tolist()]
-        error = np.abs(t.speed[rows] - expected)
-        for k in (error > _TOLERANCE).nonzero()[0].tolist():
-            if libsumo.vehicle.isStopped(ids[rows[k]]):  # at a scheduled stop SUMO holds it, whatever is commanded
-                error[k] = 0.0
-        self.audit.commands += commands
-        self.audit.violations += int(np.count_nonzero(error > _TOLERANCE))
-        self.audit.worst = max(self.audit.worst, float(error.max(initial=0.0)))
+    def _compare(self, rows: Ints, expected: Floats) -> None:
+        """Whether the vehicles in these slots drive at the speeds [m/s] that commands should have led to."""
+        get, ids, speed, audit = libsumo.vehicle, self._traffic.ids, self._traffic.speed, self.audit
+        for slot, should in zip(rows.tolist(), expected.tolist(), strict=True):
+            speed[slot] = now = get.getSpeed(ids[slot])
+            error = abs(now - should)
+            if error > _TOLERANCE:
+                if get.isStopped(ids[slot]):  # at a scheduled stop SUMO holds it, whatever is commanded
+                    continue
+                audit.violations += 1
+            audit.worst = max(audit.worst, error)
 
     def drive(self, *, erring: Bools, erring_accel: Floats, aeb: Floats, wrecked: Bools, wreck_speed: Floats) -> None:
         """Command every vehicle that is not SUMO's alone; give back those that are again.
@@ -119,77 +122,64 @@ class Override:
             wrecked: has crashed.
             wreck_speed: speed of a wreck at the end of the coming step [m/s].
         """
-        t, dt = self._traffic, self._traffic.dt
-        wanted = t.here & (erring | (aeb > 0) | wrecked)
-        alone = erring & (aeb <= 0) & ~wrecked
-        held = self._holding & alone & (erring_accel == self._held) & (self._until > t.step)
-        let_go = (self._holding & t.here & ~held).nonzero()[0]
+        t, ids, get = self._traffic, self._traffic.ids, libsumo.vehicle
+        let_go, released = _ended(
+            t.here, erring, erring_accel, aeb, wrecked, self._taken, self._holding, self._held, self._until, t.step
+        )
         if len(let_go):
             self._let_go(let_go)
-        for released in (self._taken & t.here & ~wanted).nonzero()[0].tolist():
-            self._give_back(released)
-        # A wreck that stands goes on standing.
-        stands = wrecked & self._taken & (self._commanded == 0) & (wreck_speed <= 0)
-        rows = (wanted & ~held & ~stands).nonzero()[0]
+        for slot in released.tolist():
+            self._give_back(slot)
+        rows, seeing = _wanted(
+            t.here, erring, aeb, wrecked, wreck_speed, self._taken, self._holding, self._commanded, self._foot
+        )
+        for slot in seeing.tolist():
+            self._foot[slot] = self._sumo_driver(slot)
         self.braking = rows[:0]
         if not len(rows):
             return
-        blind = erring[rows] | wrecked[rows]
-        driver = np.where(erring[rows], -erring_accel[rows], self._sumo_driver(rows, blind))
-        decel = np.where(aeb[rows] > 0, np.maximum(aeb[rows], driver), driver)
-        decel = np.minimum(decel, self._friction.at(rows) * G)
-        speed = np.where(wrecked[rows], wreck_speed[rows], np.maximum(t.speed[rows] - decel * dt, 0.0))
-        self.braking = rows[decel > _HARD]
-        for k in (~self._taken[rows]).nonzero()[0].tolist():
-            self._take(int(rows[k]), t.ids[rows[k]])
-            self._planning[rows[k]] = blind[k]  # whatever its speed mode was, it is set now
-        for k in (self._planning[rows] == blind).nonzero()[0].tolist():
-            libsumo.vehicle.setSpeedMode(t.ids[rows[k]], _EXECUTE_BLINDLY if blind[k] else _EXECUTE_AND_PLAN)
-        self._planning[rows], self._commanded[rows] = ~blind, speed
-        steady = alone[rows] & (np.abs(erring_accel[rows]) * _HOLD < t.speed[rows]) & (decel == -erring_accel[rows])
-        if steady.any():
-            self._hold(rows[steady], erring_accel[rows[steady]])
-            rows, speed = rows[~steady], speed[~steady]
-        command, ids = libsumo.vehicle.setSpeed, t.ids
-        for slot, v in zip(rows.tolist(), speed.tolist(), strict=True):
-            command(ids[slot], v)
-
-    def _hold(self, rows: Ints, accel: Floats) -> None:
-        """Let SUMO hold the accelerations [m/s2] of these: one command in place of one in every step."""
-        t, command = self._traffic, libsumo.vehicle.setAcceleration
-        for slot, a in zip(rows.tolist(), accel.tolist(), strict=True):
-            command(t.ids[slot], a, _HOLD)
-        self._holding[rows], self._held[rows], self._commanded[rows] = True, accel, t.speed[rows]
-        self._since[rows], self._until[rows] = t.step, t.step + int(_HOLD / t.dt)
+        self.braking, todo = _commands(
+            rows, self._foot, self._friction.at(rows) * G, erring, erring_accel, aeb, wrecked, wreck_speed, t.speed,
+            t.step, t.dt, self._taken, self._planning, self._commanded, self._holding, self._held, self._since,
+            self._until,
+        )  # fmt: skip
+        speeds = self._commanded[rows].tolist()
+        for slot, speed, what in zip(rows.tolist(), speeds, todo.tolist(), strict=True):
+            vehicle = ids[slot]
+            if what & _TAKE:
+                self._take(slot, vehicle)
+            if what & _MODE:
+                get.setSpeedMode(vehicle, _EXECUTE_AND_PLAN if self._planning[slot] else _EXECUTE_BLINDLY)
+            if what & _HOLDS:  # one command in place of one in every step
+                get.setAcceleration(vehicle, float(self._held[slot]), _HOLD)
+            else:
+                get.setSpeed(vehicle, speed)
 
     def _let_go(self, rows: Ints) -> None:
         """What has been held ends now: see where it has led."""
         steps = self._traffic.step - self._since[rows]
-        rows, steps = rows[steps > 0], steps[steps > 0]
-        self._compare(rows, self._commanded[rows] + self._held[rows] * steps * self._traffic.dt, int(steps.sum()))
+        self.audit.commands += int(steps.sum())
+        self._compare(rows, self._commanded[rows] + self._held[rows] * steps * self._traffic.dt)
         self._holding[rows] = False
         self._commanded[rows] = self._traffic.speed[rows]
 
-    def _sumo_driver(self, rows: Ints, blind: Bools) -> Floats:
-        """Deceleration that SUMO's own driver wants, >= 0 [m/s2]; 0 for those who see nothing.
+    def _sumo_driver(self, slot: int) -> float:
+        """Deceleration that SUMO's own driver wants, who sees where he goes, >= 0 [m/s2].
 
         A vehicle not yet taken shows it by what it did. For one under command, SUMO says what speed its driver would
         have chosen, but never more than the command: below the command he brakes harder, and by that much; at the
         command his foot may be anywhere up to it, so it comes off the pedal slowly, until the command is less than he
         wants and he shows again.
         """
-        t = self._traffic
-        self._foot[rows[blind]] = 0.0
-        for slot in rows[~blind].tolist():
-            if not self._taken[slot]:
-                self._foot[slot] = max(0.0, -t.accel[slot])
-            elif self._planning[slot]:
-                planned = libsumo.vehicle.getSpeedWithoutTraCI(t.ids[slot])
-                if planned < self._commanded[slot] - _TOLERANCE:
-                    self._foot[slot] = (t.old_speed[slot] - planned) / t.dt
-                else:
-                    self._foot[slot] = max(0.0, self._foot[slot] - _PEDAL_RELEASE * t.dt)
-        return self._foot[rows]
+        t, foot = self._traffic, float(self._foot[slot])
+        if not self._taken[slot]:
+            return max(0.0, -float(t.accel[slot]))
+        if not self._planning[slot]:
+            return foot
+        planned = float(libsumo.vehicle.getSpeedWithoutTraCI(t.ids[slot]))
+        if planned < self._commanded[slot] - _TOLERANCE:
+            return (float(t.old_speed[slot]) - planned) / t.dt
+        return max(0.0, foot - _PEDAL_RELEASE * t.dt)
 
     def _take(self, slot: int, vehicle: str) -> None:
         get = libsumo.vehicle
@@ -212,3 +202,78 @@ class Override:
             return
         for name in ("_commanded", "_taken", "_foot", "_planning", "_holding", "_held", "_since", "_until"):
             setattr(self, name, fitted(getattr(self, name), n))
+
+
+@kernel
+def _ended(
+    here: Bools, erring: Bools, erring_accel: Floats, aeb: Floats, wrecked: Bools, taken: Bools, holding: Bools,
+    held: Floats, until: Ints, step: int,
+) -> tuple[Ints, Ints]:  # fmt: skip
+    """Slots of those whose acceleration SUMO no longer holds, and of those who are SUMO's alone again."""
+    let_go, released = np.empty(len(here), np.int64), np.empty(len(here), np.int64)
+    m = n = 0
+    for slot in range(len(here)):
+        if here[slot] and taken[slot]:
+            alone = erring[slot] and aeb[slot] <= 0 and not wrecked[slot]
+            if holding[slot] and not (alone and erring_accel[slot] == held[slot] and until[slot] > step):
+                let_go[m] = slot
+                m += 1
+            if not (erring[slot] or aeb[slot] > 0 or wrecked[slot]):
+                released[n] = slot
+                n += 1
+    return let_go[:m], released[:n]
+
+
+@kernel
+def _wanted(
+    here: Bools, erring: Bools, aeb: Floats, wrecked: Bools, wreck_speed: Floats, taken: Bools, holding: Bools,
+    commanded: Floats, foot: Floats,
+) -> tuple[Ints, Ints]:  # fmt: skip
+    """Slots of those who need a command, and of those among them whose drivers see; the foot of others is off."""
+    rows, seeing = np.empty(len(here), np.int64), np.empty(len(here), np.int64)
+    m = n = 0
+    for slot in range(len(here)):
+        if not here[slot] or holding[slot] or not (erring[slot] or aeb[slot] > 0 or wrecked[slot]):
+            continue
+        if wrecked[slot] and taken[slot] and commanded[slot] == 0 and wreck_speed[slot] <= 0:
+            continue  # a wreck that stands goes on standing
+        rows[m] = slot
+        m += 1
+        if erring[slot] or wrecked[slot]:
+            foot[slot] = 0.0
+        else:
+            seeing[n] = slot
+            n += 1
+    return rows[:m], seeing[:n]
+
+
+@kernel
+def _commands(
+    rows: Ints, foot: Floats, most: Floats, erring: Bools, erring_accel: Floats, aeb: Floats, wrecked: Bools,
+    wreck_speed: Floats, speed: Floats, step: int, dt: float, taken: Bools, planning: Bools, commanded: Floats,
+    holding: Bools, held: Floats, since: Ints, until: Ints,
+) -> tuple[Ints, Ints]:  # fmt: skip
+    """What these are commanded; slots of those who brake hard, and (n,) what else there is to do."""
+    hard, todo = np.empty(len(rows), np.int64), np.zeros(len(rows), np.int64)
+    n = 0
+    for k in range(len(rows)):
+        slot = rows[k]
+        blind = erring[slot] or wrecked[slot]
+        driver = -erring_accel[slot] if erring[slot] else foot[slot]
+        decel = np.minimum(np.maximum(aeb[slot], driver) if aeb[slot] > 0 else driver, most[k])
+        if decel > _HARD:
+            hard[n] = slot
+            n += 1
+        if not taken[slot]:
+            todo[k] |= _TAKE
+        if not taken[slot] or planning[slot] == blind:  # whatever its speed mode was, it is set now
+            todo[k] |= _MODE
+        planning[slot] = not blind
+        commanded[slot] = wreck_speed[slot] if wrecked[slot] else np.maximum(speed[slot] - decel * dt, 0.0)
+        if wrecked[slot] or aeb[slot] > 0 or not erring[slot]:
+            continue
+        if np.abs(erring_accel[slot]) * _HOLD < speed[slot] and decel == -erring_accel[slot]:
+            todo[k] |= _HOLDS
+            holding[slot], held[slot], commanded[slot] = True, erring_accel[slot], speed[slot]
+            since[slot], until[slot] = step, step + int(_HOLD / dt)
+    return hard[:n], todo

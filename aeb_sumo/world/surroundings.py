@@ -77,7 +77,7 @@ def trips(t: Traffic, slots: Ints) -> Trips:
     get = libsumo.vehicle
     speed, driven, lost = get.getSpeed, get.getDistance, get.getTimeLoss
     ids = [t.ids[slot] for slot in slots.tolist()]
-    return Trips(*(np.array(list(map(one, ids)), float) for one in (speed, driven, lost)))
+    return Trips(*(np.fromiter(map(one, ids), float, len(ids)) for one in (speed, driven, lost)))
 
 
 def ahead(t: Traffic, slots: Ints) -> Ints:

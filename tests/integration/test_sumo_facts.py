@@ -185,3 +185,16 @@ def test_who_may_be_overlooked_is_a_parameter_of_the_vehicle():
 
     assert slowest(ignore=False) < 1.0
     assert slowest(ignore=True) > 4.0
+
+
+def test_who_is_taken_away_is_missing_in_sumos_balance_alone(track):
+    session = track(ONE + vehicle("w", 600, 20))
+    balance = libsumo.simulation.getMinExpectedNumber
+    for _ in range(5):
+        before = balance()
+        session.step()
+        assert balance() == before + libsumo.simulation.getLoadedNumber() - libsumo.simulation.getArrivedNumber()
+    libsumo.vehicle.remove("w")
+    session.step()
+    assert not libsumo.simulation.getArrivedNumber()
+    assert balance() == before - 1

@@ -41,21 +41,34 @@ def test_lapses_come_and_go_on_the_drivers_own_clock():
     lapses.advance(100.0 + expected.start + 0.01)
     assert lapses.on[0, 0]
     assert lapses.accel[0, 0] == -4.0
-    lapses.leave(0, "v")
+    lapses.leave(0)
     lapses.advance(1e4)
     assert not lapses.on[0, 0]
 
 
-def test_the_heap_does_not_grow_with_those_who_have_left():
-    lapses = Lapses([HardBraking(every=1e6), Glances()], seed=1)
-    sizes = []
-    for k in range(3000):
-        lapses.depart(k % 50, f"v{k}", float(k))
-        if k >= 50:
-            lapses.leave(k % 50, f"v{k - 50}")
-        lapses.advance(float(k))
-        sizes.append(len(lapses._heap))
-    assert max(sizes[1500:]) <= max(sizes[:1500]) < 400
+def test_who_has_a_slot_after_another_has_his_own_lapses_alone():
+    kind = HardBraking(every=5.0, decel=4.0, duration=1.0)
+    lapses = Lapses([kind, Glances()], seed=1)
+    braked = []
+    lapses.depart(0, "first", 0.0)
+    lapses.advance(50.0)
+    lapses.leave(0)
+    lapses.depart(0, "second", 50.0)
+    for k in range(500):
+        lapses.advance(50.0 + 0.1 * k)
+        braked.append(lapses.on[0, 0])
+        assert (lapses.decisive == {0: 0}) == lapses.on[0, 0]
+    own = list(islice(kind.lapses(stream(1, "hard_braking", "second"), "second"), 50))
+    assert braked == [any(lapse.start <= 0.1 * k < lapse.end for lapse in own) for k in range(500)]
+
+
+def test_lapses_shorter_than_a_step_are_all_told():
+    lapses = Lapses([Glances()], seed=1)
+    lapses.depart(2, "v", 0.0)
+    lapses.advance(1000.0)
+    own = list(islice(Glances().lapses(stream(1, "glance", "v"), "v"), 1000))
+    assert len(lapses.looked_away) == sum(lapse.start <= 1000.0 for lapse in own)
+    assert len(lapses.looked_back) == sum(lapse.end <= 1000.0 for lapse in own)
 
 
 def test_the_beginning_and_the_end_of_a_glance_are_told():
