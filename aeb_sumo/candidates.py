@@ -146,7 +146,8 @@ class Candidates:
         to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)
         if self._gaze is Gaze.PATH:  # it waits for others where the paths cross: farther away than that it never acts
             ego = crossings.ego
-            to_come &= crossings.zone[:, 0] <= self._traffic.speed[ego] * self._leads.horizon[ego] + CLOSE
+            reach = self._traffic.speed[ego] * self._leads.horizon[ego] + CLOSE
+            to_come &= (crossings.zone[:, 0] <= reach) | self._leads.busy[ego]  # it has braked: see `Leads`
         ego, other, zone = crossings.ego[to_come], crossings.other[to_come], crossings.zone[to_come]
         if self._gaze is Gaze.PATH:
             return ego, other, zone

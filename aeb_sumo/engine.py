@@ -100,7 +100,7 @@ class Engine:
             system = self._carried.of(t.ids[slot], vtype=t.vtype[slot], vclass=t.vclass[slot], seed=self.session.seed)
             self.equip(slot, system.name if system else "")
             self.motorists.depart(slot, t.ids[slot], self.time)
-        self.leads.step()
+        self.leads.step(self.fleet.unfinished, self.override.braking)
         self.paths.step()
         self._follow()
         self.crashes = self.wrecks.step(self.time, apart=self._apart())

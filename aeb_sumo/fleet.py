@@ -46,6 +46,7 @@ class Fleet:
         demand: per slot, the strategy's demand in the coming step.
         decel: per slot, mean deceleration by the AEB's brake in the coming step [m/s2].
         grip: what they know of the road's friction.
+        unfinished: slots of those whose system warns or brakes, or whose brake is not off yet.
     """
 
     def __init__(
@@ -85,7 +86,7 @@ class Fleet:
         self._aimed_gap: Floats = np.zeros(0)  # and its gap [m]
         self._targets: Targets | None = None
         self._rows: Ints = np.zeros(0, np.int64)
-        self._unfinished: Ints = np.zeros(0, np.int64)
+        self.unfinished: Ints = np.zeros(0, np.int64)
 
     def depart(self, slot: int, time: float, *, equipped: bool) -> None:
         """A vehicle enters at `time` [s]."""
@@ -117,7 +118,7 @@ class Fleet:
         self.decel.fill(0.0)
         self.demand.phase.fill(Phase.NONE)
         self.demand.decel.fill(0.0)
-        self._unfinished = rows[:0]
+        self.unfinished = rows[:0]
         if not len(rows) and not self._lookout.remembers:
             self._rows, self._targets = rows, None
             return
@@ -136,7 +137,7 @@ class Fleet:
             return
         self._forget_others(rows, targets)
         self._act(rows, targets, time)
-        self._unfinished = self._to_end(rows)
+        self.unfinished = self._to_end(rows)
 
     @property
     def busy(self) -> Ints:
@@ -146,7 +147,7 @@ class Fleet:
         """
         if self._strategy.estimates_friction:
             return (self.equipped & self._traffic.here).nonzero()[0]
-        return self._unfinished
+        return self.unfinished
 
     def _act(self, rows: Ints, targets: Targets, time: float) -> None:
         """From what is perceived to what the brakes do."""

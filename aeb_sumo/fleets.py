@@ -48,6 +48,12 @@ class Fleets:
         return np.concatenate([fleet.busy for fleet in self._fleets])
 
     @property
+    def unfinished(self) -> Ints:
+        """See `Fleet.unfinished`."""
+        several = [fleet.unfinished for fleet in self._fleets]
+        return several[0] if len(several) == 1 else np.concatenate(several)
+
+    @property
     def equipped(self) -> Bools:
         """Per slot."""
         return self._which > 0

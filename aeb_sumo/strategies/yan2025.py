@@ -24,9 +24,10 @@ _RULES = ("and", "lane_entry")
 
 @dataclass(frozen=True)
 class Yan2025State:
-    """Memory: (n,) `Phase` of the last step."""
+    """Memory: (n,) `Phase` of the last step, and the deceleration demanded in it [m/s2]."""
 
     phase: Ints
+    decel: Floats
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +46,8 @@ class Yan2025(Strategy):
         decel: for two-wheelers and pedestrians [m/s2], printed (9).
         decel_slow, decel_medium: for vehicles below `slow` and below `fast` [m/s2], printed (3 and 6; above: `decel`).
         slow, fast: closing speeds that divide the levels [m/s]; "by relative speed" is printed, 15 and 30 km/h are our
-            assumption: up to there 3 and 6 m/s2 can still stop the car from a TTC of 1 s.
+            assumption: up to there 3 and 6 m/s2 can still stop the car from a TTC of 1 s. A level that has been
+            reached is kept until braking ends.
         brake: dead time and build-up, from another source (seeds 4.4, the rule as printed, not fitted). The fit to
             Table 2 needs others, see `aeb_sumo.reproduction.yan2025`.
     """
@@ -83,7 +85,7 @@ class Yan2025(Strategy):
 
     def init(self, n: int) -> Yan2025State:
         """See `Strategy.init`."""
-        return Yan2025State(np.zeros(n, np.int64))
+        return Yan2025State(np.zeros(n, np.int64), np.zeros(n))
 
     def due(self, percept: Percept, time: float) -> Bools:
         """Whether the rule is met for a time [s].
@@ -103,7 +105,7 @@ class Yan2025(Strategy):
         return result
 
     def step(self, state: Yan2025State, percept: Percept, dt: float) -> tuple[Yan2025State, Demand]:  # noqa: ARG002
-        """See `Strategy.step`. Braking lasts until the car stands or the target has passed (seeds 4.4)."""
+        """See `Strategy.step`. Braking is latched until the car stands or the target has passed (seeds 4.4)."""
         closing = percept.closing_ahead > 0
         alive = percept.valid & (percept.ego_speed > 0) & closing
         braking = alive & ((state.phase >= Phase.PARTIAL_BRAKE) | self.due(percept, self.brake_ttc))
@@ -113,10 +115,10 @@ class Yan2025(Strategy):
             [self.decel_slow, self.decel_medium],
             self.decel,
         )
-        decel = np.where(braking, np.where(percept.vulnerable, self.decel, by_speed), 0.0)
+        decel = np.where(braking, np.maximum(np.where(percept.vulnerable, self.decel, by_speed), state.decel), 0.0)
         full = braking & (decel >= self.decel)
         phase = np.select([full, braking, warning], [Phase.FULL_BRAKE, Phase.PARTIAL_BRAKE, Phase.WARN], Phase.NONE)
-        return Yan2025State(phase.astype(np.int64)), Demand(phase=phase.astype(np.int64), decel=decel)
+        return Yan2025State(phase.astype(np.int64), decel), Demand(phase=phase.astype(np.int64), decel=decel)
 
 
 def _road_frame(percept: Percept) -> tuple[Floats, Floats, Floats, Floats]:

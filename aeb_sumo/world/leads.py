@@ -26,8 +26,9 @@ class Leads:
     Every vehicle looks for the one ahead once per search cycle, at a phase of its own. From what it finds, and found
     the two times before, it knows the gap, how fast that shrinks, and whether faster and faster. If both would touch
     within the horizon going on at the same rate, or 1 s earlier at a rate that goes on growing, or are nearer than 2 m
-    and move, a conflict is possible, and the gap is read in every step until the next search says otherwise. When SUMO
-    names another in between, there is nobody until that search.
+    and move, a conflict is possible, and the gap is read in every step until the next search says otherwise. So it is
+    in every step in which an AEB is at work, which takes the closing speed away long before it has done, or the one
+    ahead is known to brake hard. When SUMO names another in between, there is nobody until that search.
 
     Attributes:
         horizon: per slot, see above [s].
@@ -38,6 +39,7 @@ class Leads:
             nan for none.
         egos: slots of those with whom a conflict is possible, rising; for them lead and gap are of this step.
         possible: per slot, whether it is one of them.
+        busy: per slot, its AEB is at work.
         known: per slot, the search before had found the same lead.
     """
 
@@ -53,6 +55,7 @@ class Leads:
         self.gap: Floats = np.zeros(0)
         self.egos: Ints = np.zeros(0, np.int64)
         self.possible: Bools = np.zeros(0, np.bool_)
+        self.busy: Bools = np.zeros(0, np.bool_)
         self._watching: Bools = np.zeros(0, np.bool_)
         self.known: Bools = np.zeros(0, np.bool_)
         self.rate: Floats = np.zeros(0)
@@ -62,8 +65,13 @@ class Leads:
         self._found_gap: Floats = np.zeros(0)
         self._now: dict[int, tuple[int, float]] = {}
 
-    def step(self) -> None:
-        """From the traffic just observed to `egos`, and their leads and gaps."""
+    def step(self, busy: Ints, braking: Ints) -> None:
+        """From the traffic just observed to `egos`, and their leads and gaps.
+
+        Args:
+            busy: slots whose AEB is at work.
+            braking: slots of those who brake hard, for all that is known without asking SUMO.
+        """
         t = self._traffic
         self._now = {}
         if len(self.lead) < t.capacity:
@@ -75,7 +83,11 @@ class Leads:
         searching = self._rows[phase]
         if searching is None:
             searching = self._rows[phase] = np.fromiter(turn, np.int64, len(turn)), list(turn.values())
-        known = self._watching.nonzero()[0]
+        self.busy = mask(busy, t.capacity)
+        held = self.busy.copy()
+        if len(braking):
+            held[self.behind(braking)] = True
+        known = (self._watching | held).nonzero()[0]
         if len(known):
             self._look_again(known[t.here[known]], phase)
         if turn:
@@ -83,7 +95,7 @@ class Leads:
         new = [slot for slot in t.departed if slot not in turn]
         if new:  # who has just come does not wait for his turn
             self._search(np.array(new), [t.ids[slot] for slot in new])
-        self.possible = self._watching & (self.lead >= 0) & t.here
+        self.possible = (self._watching | held) & (self.lead >= 0) & t.here
         self.egos = self.possible.nonzero()[0]
 
     def now(self, slot: int) -> tuple[int, float]:

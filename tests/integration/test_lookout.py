@@ -29,7 +29,7 @@ def targets(options, sensing, unnamed, steps=30):
         for step in range(steps):
             session.step()
             t.observe()
-            leads.step()
+            leads.step(np.zeros(0, np.int64), np.zeros(0, np.int64))
             paths.step()
             ego = t.slot["ego"]
             t.follow(t.present)

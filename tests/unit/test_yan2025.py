@@ -60,3 +60,15 @@ def test_levels(closing, vulnerable, decel):
     _, demand = system.step(system.init(1), seen, 0.1)
     assert demand.decel[0] == decel
     assert demand.phase[0] == (Phase.FULL_BRAKE if decel == 9.0 else Phase.PARTIAL_BRAKE)
+
+
+def test_braking_does_not_weaken_while_the_closing_speed_falls():
+    system, seen = Yan2025(), percept(gap=7.0, ego_speed=20.0, target_speed=5.0)
+    state, first = system.step(system.init(1), seen, 0.1)
+    assert first.decel[0] == 9.0
+    state, later = system.step(state, percept(gap=3.0, ego_speed=8.0, target_speed=5.0), 0.1)
+    assert later.decel[0] == 9.0
+    state, over = system.step(state, percept(gap=3.0, ego_speed=4.0, target_speed=5.0), 0.1)
+    assert over.decel[0] == 0.0
+    _, again = system.step(state, percept(gap=1.0, ego_speed=8.0, target_speed=5.0), 0.1)
+    assert again.decel[0] == 3.0, "another emergency"
