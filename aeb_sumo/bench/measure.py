@@ -148,7 +148,10 @@ def measure_equipped(stretch: Stretch, strategy: str, other: Connection) -> Meas
     Raises:
         SumoError: SUMO gave up.
     """
-    # Here, for the memory of what is stepped bare shall not hold it.
+    # Here, for the memory of what is stepped bare shall not hold it. pyarrow would import pandas with the first pack of
+    # rows: once in a run, but perhaps within the few steps that are timed here.
+    import pandas as pd  # noqa: F401, PLC0415
+
     from aeb_sumo.simulate import run  # noqa: PLC0415
 
     timed = _Timed()

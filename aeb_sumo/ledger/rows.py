@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import pandas as pd  # noqa: F401 - else pyarrow imports it with the first pack of rows, within a step
 import pyarrow as pa
 
 from aeb_sumo.results.schema import TABLES

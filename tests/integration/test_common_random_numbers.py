@@ -4,7 +4,7 @@ import pytest
 
 from aeb_sumo import scenarios
 from aeb_sumo.drivers.encounters import FailureToYield, Riders, Warned
-from aeb_sumo.drivers.lapses import Lapses
+from aeb_sumo.drivers.lapses import Glances, HardBraking
 from aeb_sumo.drivers.reactions import Looming
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.equipment import Equipment
@@ -15,21 +15,23 @@ from aeb_sumo.simulate import run
 def drawn(monkeypatch):
     """Every draw of the drivers: (what, who) -> values in the order of the driver's own clock."""
     log: dict[tuple, list] = {}
-    following = Lapses._next
-
-    def log_lapse(self, slot, vehicle, kind):
-        following(self, slot, vehicle, kind)
-        event = max(self._heap, key=lambda e: e.order)
-        own = round(event.lapse.start - self._departed[vehicle], 6), round(event.lapse.end - event.lapse.start, 6)
-        log.setdefault((self.kinds[kind].name, vehicle), []).append(own)
-
-    monkeypatch.setattr(Lapses, "_next", log_lapse)
+    for kind in (Glances, HardBraking):
+        monkeypatch.setattr(kind, "lapses", _logged_lapses(kind.lapses, log))
     for cls, name in (
         (FailureToYield, "driver_fails"), (FailureToYield, "rider_fails"), (FailureToYield, "notice"),
         (Riders, "runs_red"), (Warned, "delay"),
     ):  # fmt: skip
         monkeypatch.setattr(cls, name, _logged(getattr(cls, name), name, log))
     return log
+
+
+def _logged_lapses(function, log):
+    def call(self, draw, driver):
+        for lapse in function(self, draw, driver):
+            log.setdefault((self.name, driver), []).append((lapse.start, lapse.end))
+            yield lapse
+
+    return call
 
 
 def _logged(function, name, log):
