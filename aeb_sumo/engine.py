@@ -24,7 +24,7 @@ from aeb_sumo.world.wrecks import Crash, Wrecks
 __all__ = ["Engine"]
 
 _HORIZON = 5.0  # s, our assumption: longer than the TTC of 4 s from which conflicts are booked, and drivers' looming
-_FASTEST = 80.0  # m/s, our assumption: no gap shrinks faster
+_NEAR = 0.5  # m, our assumption: by so much SUMO's gaps may differ from the distance of the bodies
 _BEFORE = 1.0  # s before a system may act from which it watches its target, our assumption: sensors take time, too
 
 
@@ -106,10 +106,15 @@ class Engine:
         self.crashes = self.wrecks.step(self.time, apart=self._apart())
 
     def _apart(self) -> bool:
-        """Whether nobody can have touched anybody: no one is near a crossing or on foot, and all gaps are wide."""
-        if len(self.paths.turns.slot) or len(self.traffic.walkers):
+        """Whether nobody can have touched anybody: no one is near a crossing or on foot, and all gaps are wide.
+
+        A gap that is wider than what the lead has driven in the step was open all the time.
+        """
+        t, egos = self.traffic, self.leads.egos
+        if len(self.paths.turns.slot) or len(t.walkers):
             return False
-        return bool((self.leads.gap[self.leads.egos] > _FASTEST * self.traffic.dt).all())
+        lead = self.leads.lead[egos]
+        return bool((self.leads.gap[egos] > np.maximum(t.speed[lead], t.old_speed[lead]) * t.dt + _NEAR).all())
 
     def _follow(self) -> None:
         """Keep an eye on all who take part in what may happen; those near junctions are followed already."""

@@ -119,15 +119,16 @@ class Wrecks:
             self.speed = np.maximum(self.speed - _SLIDING * self.traffic.dt, 0.0)
 
     def _hear(self, time: float) -> bool:
-        """Whether SUMO reports something: the net below the own search, for whom nobody follows yet."""
-        t, collisions = self.traffic, libsumo.simulation.getCollisions()
+        """Whether SUMO reports something new: the net below the own search, for whom nobody follows yet."""
+        t, collisions, new = self.traffic, libsumo.simulation.getCollisions(), False
         for collision in collisions:
             one = self._name(collision.collider, collision.colliderType)
             other = self._name(collision.victim, collision.victimType)
             if one and other:
                 self.reported.setdefault(pair_of(one, other), time)
+                new |= pair_of(one, other) not in self.crashed
                 t.follow(np.array([t.slot[name] for name in (one, other) if name in t.slot]))
-        return len(collisions) > 0
+        return new
 
     def _name(self, reported: str, vtype: str) -> str:
         """Name in `Traffic.ids` of whom SUMO reports, who may be a person; empty for nobody there."""
