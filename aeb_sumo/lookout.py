@@ -99,6 +99,9 @@ class Lookout:
         They are watched for as long as a track survives without a detection, and count at once if they return.
         """
         last, serials = self._pairs, self._numbers(pairs)
+        if serials.tobytes() == self._serials.tobytes():  # as mostly
+            self._absent = np.where(last.candidate, 0.0, self._absent) + self._traffic.dt
+            return pairs, self._tracks, self._conflict, np.zeros(len(serials), np.bool_)
         at, known = find(serials, self._serials)
         span = self._suite.coast * self._suite.cycle + self._traffic.dt / 2
         gone = _gone(last.candidate, self._absent, at, known, self._traffic.dt, span)
