@@ -68,11 +68,12 @@ class Candidates:
         self._sightlines = sightlines
         self._suite = suite
         self._gaze = gaze
+        self._last: Floats = np.zeros(0)  # numbers of the crossing pairs of the last step
 
     def of(self, egos: Ints) -> Pairs:
         """All pairs of the vehicles in these slots."""
-        ego = egos[self._leads.possible[egos]]
-        pairs = self._ahead(ego, self._leads.lead[ego], self._leads.gap[ego])
+        ego = egos[self._leads.watched[egos]]
+        pairs = self._ahead(ego, self._leads.target[ego], self._leads.target_gap[ego])
         if self._gaze.sees_crossing:
             ego, other, zone = self._at_junctions(egos)
             if len(ego):
@@ -83,7 +84,9 @@ class Candidates:
 
     def known(self, pairs: Pairs) -> Bools:
         """(k,) whether sensors have followed the other for a while: a lead that the search before had found, too."""
-        return ~pairs.crossing & pairs.candidate & self._leads.known[pairs.ego]
+        found = self._leads.known[pairs.ego] & (self._leads.lead[pairs.ego] == pairs.other)
+        result: Bools = ~pairs.crossing & pairs.candidate & found
+        return result
 
     def again(self, ego: Ints, other: Ints, crossing: Bools) -> Pairs:
         """Pairs that are not candidates any more, as the sensors see them now."""
@@ -136,20 +139,29 @@ class Candidates:
         met = np.isfinite(zone[:, 0]) | (self._gaze is not Gaze.PATH)
         return ego[met], other[met], zone[met]
 
+    def _numbers(self, ego: Ints, other: Ints) -> Floats:
+        """(k,) one number per pair, which tells it from all others of a run with less than 2^26 vehicles."""
+        return self._traffic.serial[ego] * 2.0**26 + self._traffic.serial[other]
+
     def _at_junctions(self, moving: Ints) -> tuple[Ints, Ints, Floats]:
         """Pairs at junctions: egos, others, (k, 4) distances to where their paths cross, nan where they do not."""
         crossings = self._paths.crossings
         if self._gaze is Gaze.PATH and not len(crossings.ego):
+            self._last = self._last[:0]
             return crossings.ego, crossings.other, crossings.zone
         egos = np.zeros(self._traffic.capacity, np.bool_)
         egos[moving] = True
         to_come = egos[crossings.ego] & (crossings.zone[:, 1] > 0)
         if self._gaze is Gaze.PATH:  # it waits for others where the paths cross: farther away than that it never acts
             ego = crossings.ego
-            reach = self._traffic.speed[ego] * self._leads.horizon[ego] + CLOSE
-            to_come &= (crossings.zone[:, 0] <= reach) | self._leads.busy[ego]  # it has braked: see `Leads`
+            near = crossings.zone[:, 0] <= self._traffic.speed[ego] * self._leads.horizon[ego] + CLOSE
+            kept = (to_come & ~near & self._leads.at_work[ego]).nonzero()[0]
+            if len(kept):  # those it brakes for do not get lost as it slows down: see `Leads`
+                near[kept] = np.isin(self._numbers(ego[kept], crossings.other[kept]), self._last)
+            to_come &= near
         ego, other, zone = crossings.ego[to_come], crossings.other[to_come], crossings.zone[to_come]
         if self._gaze is Gaze.PATH:
+            self._last = self._numbers(ego, other)
             return ego, other, zone
         # Who knows no paths has to look at everyone there, but those on his own.
         turns, users = self._paths.turns, self._paths.users

@@ -100,7 +100,7 @@ class Engine:
             system = self._carried.of(t.ids[slot], vtype=t.vtype[slot], vclass=t.vclass[slot], seed=self.session.seed)
             self.equip(slot, system.name if system else "")
             self.motorists.depart(slot, t.ids[slot], self.time)
-        self.leads.step(self.fleet.unfinished, self.override.braking)
+        self.leads.step(self.fleet.at_work, np.append(self.override.braking, self.wrecks.sliding))
         self.paths.step()
         self._follow()
         self.crashes = self.wrecks.step(self.time, apart=self._apart())
@@ -111,18 +111,18 @@ class Engine:
         A gap that is wider than what the lead has driven in the step was open all the time.
         """
         t, egos = self.traffic, self.leads.egos
-        if len(self.paths.turns.slot) or len(t.walkers):
+        if len(self.paths.turns.slot) or len(t.walkers) or self.session.sublane:
             return False
         lead = self.leads.lead[egos]
         return bool((self.leads.gap[egos] > np.maximum(t.speed[lead], t.old_speed[lead]) * t.dt + _NEAR).all())
 
     def _follow(self) -> None:
         """Keep an eye on all who take part in what may happen; those near junctions are followed already."""
-        t, egos = self.traffic, self.leads.egos
+        t, egos = self.traffic, self.leads.watched.nonzero()[0]
         if len(t.walkers):  # they may be anywhere
             t.follow(t.present)
             return
-        several = [egos, self.leads.lead[egos], self.fleet.busy, self.override.braking, self.motorists.startling]
+        several = [egos, self.leads.target[egos], self.fleet.busy, self.override.braking, self.motorists.startling]
         slots = np.concatenate([each for each in several if len(each)] or [egos])
         if len(slots):
             t.follow(slots[t.here[slots]])

@@ -46,7 +46,7 @@ class Fleet:
         demand: per slot, the strategy's demand in the coming step.
         decel: per slot, mean deceleration by the AEB's brake in the coming step [m/s2].
         grip: what they know of the road's friction.
-        unfinished: slots of those whose system warns or brakes, or whose brake is not off yet.
+        at_work: slots of those whose system warns or brakes, or whose brake is not off yet.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class Fleet:
         self._aimed_gap: Floats = np.zeros(0)  # and its gap [m]
         self._targets: Targets | None = None
         self._rows: Ints = np.zeros(0, np.int64)
-        self.unfinished: Ints = np.zeros(0, np.int64)
+        self.at_work: Ints = np.zeros(0, np.int64)
 
     def depart(self, slot: int, time: float, *, equipped: bool) -> None:
         """A vehicle enters at `time` [s]."""
@@ -99,7 +99,7 @@ class Fleet:
             self.grip.depart(slot)
 
     def leave(self, slot: int) -> None:
-        """A vehicle is gone."""
+        """A vehicle is gone; its state is that of nobody until the next one enters."""
         self.equipped[slot] = False
         self.decel[slot] = 0.0
 
@@ -118,7 +118,7 @@ class Fleet:
         self.decel.fill(0.0)
         self.demand.phase.fill(Phase.NONE)
         self.demand.decel.fill(0.0)
-        self.unfinished = rows[:0]
+        self.at_work = rows[:0]
         if not len(rows) and not self._lookout.remembers:
             self._rows, self._targets = rows, None
             return
@@ -137,7 +137,7 @@ class Fleet:
             return
         self._forget_others(rows, targets)
         self._act(rows, targets, time)
-        self.unfinished = self._to_end(rows)
+        self.at_work = self._to_end(rows)
 
     @property
     def busy(self) -> Ints:
@@ -147,7 +147,7 @@ class Fleet:
         """
         if self._strategy.estimates_friction:
             return (self.equipped & self._traffic.here).nonzero()[0]
-        return self.unfinished
+        return self.at_work
 
     def _act(self, rows: Ints, targets: Targets, time: float) -> None:
         """From what is perceived to what the brakes do."""

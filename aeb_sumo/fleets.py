@@ -43,15 +43,12 @@ class Fleets:
     @property
     def busy(self) -> Ints:
         """Slots of the vehicles that have to be followed whatever they meet; see `Fleet.busy`."""
-        if len(self._fleets) == 1:
-            return self._fleets[0].busy
         return np.concatenate([fleet.busy for fleet in self._fleets])
 
     @property
-    def unfinished(self) -> Ints:
-        """See `Fleet.unfinished`."""
-        several = [fleet.unfinished for fleet in self._fleets]
-        return several[0] if len(several) == 1 else np.concatenate(several)
+    def at_work(self) -> Ints:
+        """See `Fleet.at_work`."""
+        return np.concatenate([fleet.at_work for fleet in self._fleets])
 
     @property
     def equipped(self) -> Bools:
@@ -67,6 +64,7 @@ class Fleets:
         if sum([fleet.fit() for fleet in self._fleets]):
             self._which = fitted(self._which, len(self._fleets[0].equipped))
             self._add_up()
+            self._silence(list(self._withheld))
 
     def depart(self, slot: int, system: str, time: float) -> None:
         """A vehicle enters at `time` [s], with a system or without (empty)."""
@@ -82,7 +80,7 @@ class Fleets:
             fleet.leave(slot)
         self._which[slot] = 0
         self._withheld.pop(slot, None)
-        self._add_up()
+        self._silence(slot)
 
     def step(self, time: float, disabled: Bools) -> None:
         """See `Fleet.step`."""
@@ -111,7 +109,11 @@ class Fleets:
             return
         if self.decel[slot] > 0 or self.demand.phase[slot] > Phase.NONE:
             self._withheld[slot] = time
-        self.decel[slot], self.demand.decel[slot], self.demand.phase[slot] = 0.0, 0.0, Phase.NONE
+        self._silence(slot)
+
+    def _silence(self, slots: int | list[int]) -> None:
+        """The systems in these slots do nothing, as far as the rest of a run sees."""
+        self.decel[slots], self.demand.decel[slots], self.demand.phase[slots] = 0.0, 0.0, Phase.NONE
 
     def active(self) -> list[tuple[int, Target | None]]:
         """See `Fleet.active`; in the order of the slots."""

@@ -26,9 +26,11 @@ class Leads:
     Every vehicle looks for the one ahead once per search cycle, at a phase of its own. From what it finds, and found
     the two times before, it knows the gap, how fast that shrinks, and whether faster and faster. If both would touch
     within the horizon going on at the same rate, or 1 s earlier at a rate that goes on growing, or are nearer than 2 m
-    and move, a conflict is possible, and the gap is read in every step until the next search says otherwise. So it is
-    in every step in which an AEB is at work, which takes the closing speed away long before it has done, or the one
-    ahead is known to brake hard. When SUMO names another in between, there is nobody until that search.
+    and move, a conflict is possible, and the gap is read in every step until the next search says otherwise. When SUMO
+    names another in between, there is nobody until that search.
+
+    An AEB at work takes the closing speed away long before it has done. So it watches whoever is ahead in every step,
+    and so does one behind somebody who is known to brake hard; drivers and books do not know of this.
 
     Attributes:
         horizon: per slot, see above [s].
@@ -39,7 +41,9 @@ class Leads:
             nan for none.
         egos: slots of those with whom a conflict is possible, rising; for them lead and gap are of this step.
         possible: per slot, whether it is one of them.
-        busy: per slot, its AEB is at work.
+        at_work: per slot, whether an AEB there is.
+        watched: per slot, an AEB there watches the one ahead: a conflict is possible, or see above.
+        target, target_gap: per slot, whom, and its distance; as `lead` and `gap` where a conflict is possible.
         known: per slot, the search before had found the same lead.
     """
 
@@ -55,7 +59,10 @@ class Leads:
         self.gap: Floats = np.zeros(0)
         self.egos: Ints = np.zeros(0, np.int64)
         self.possible: Bools = np.zeros(0, np.bool_)
-        self.busy: Bools = np.zeros(0, np.bool_)
+        self.at_work: Bools = np.zeros(0, np.bool_)
+        self.watched: Bools = np.zeros(0, np.bool_)
+        self.target: Ints = np.zeros(0, np.int64)
+        self.target_gap: Floats = np.zeros(0)
         self._watching: Bools = np.zeros(0, np.bool_)
         self.known: Bools = np.zeros(0, np.bool_)
         self.rate: Floats = np.zeros(0)
@@ -65,12 +72,12 @@ class Leads:
         self._found_gap: Floats = np.zeros(0)
         self._now: dict[int, tuple[int, float]] = {}
 
-    def step(self, busy: Ints, braking: Ints) -> None:
+    def step(self, at_work: Ints, braking: Ints) -> None:
         """From the traffic just observed to `egos`, and their leads and gaps.
 
         Args:
-            busy: slots whose AEB is at work.
-            braking: slots of those who brake hard, for all that is known without asking SUMO.
+            at_work: slots of those whose AEB was at work in the step that ended.
+            braking: slots of those who braked hard in it, for all that is known without asking SUMO.
         """
         t = self._traffic
         self._now = {}
@@ -83,11 +90,7 @@ class Leads:
         searching = self._rows[phase]
         if searching is None:
             searching = self._rows[phase] = np.fromiter(turn, np.int64, len(turn)), list(turn.values())
-        self.busy = mask(busy, t.capacity)
-        held = self.busy.copy()
-        if len(braking):
-            held[self.behind(braking)] = True
-        known = (self._watching | held).nonzero()[0]
+        known = self._watching.nonzero()[0]
         if len(known):
             self._look_again(known[t.here[known]], phase)
         if turn:
@@ -95,8 +98,19 @@ class Leads:
         new = [slot for slot in t.departed if slot not in turn]
         if new:  # who has just come does not wait for his turn
             self._search(np.array(new), [t.ids[slot] for slot in new])
-        self.possible = (self._watching | held) & (self.lead >= 0) & t.here
+        self.possible = self._watching & (self.lead >= 0) & t.here
         self.egos = self.possible.nonzero()[0]
+        self.watched, self.target, self.target_gap = self.possible, self.lead, self.gap
+        self.at_work = mask(at_work, t.capacity)
+        if len(at_work) or len(braking):
+            self._keep(np.append(at_work, self.behind(braking)))
+
+    def _keep(self, slots: Ints) -> None:
+        """These watch the one ahead, too."""
+        self.watched, self.target, self.target_gap = self.watched.copy(), self.target.copy(), self.target_gap.copy()
+        for slot in slots[self._traffic.here[slots] & ~self.possible[slots]].tolist():
+            self.target[slot], self.target_gap[slot] = self.now(slot)
+            self.watched[slot] = self.target[slot] >= 0
 
     def now(self, slot: int) -> tuple[int, float]:
         """Lead and gap of a vehicle in this step, as `lead` and `gap` have them; not a matter of searching."""

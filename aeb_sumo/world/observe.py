@@ -126,7 +126,7 @@ class Traffic:
         self.teleports = 0
         self.inserted = 0
         self._admitted = 0
-        self._expected = 0  # vehicles and persons that SUMO has loaded and that have not ended
+        self._expected = 0  # SUMO's count of all that is still to come to an end, flows and persons, too
         self._free: list[int] = []
         self._refreshed: list[int] = []
         self._away: set[str] = set()
@@ -168,6 +168,10 @@ class Traffic:
             self._mark_teleports()
         if self.every:
             self.read(self.present)
+
+    def taken_away(self, vehicle: str) -> None:
+        """A vehicle has been removed by command, which SUMO tells in no list."""
+        self._away.add(vehicle)
 
     def read(self, slots: Ints) -> None:
         """Bring the arrays up to date for the vehicles on the road in these slots."""

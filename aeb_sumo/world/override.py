@@ -135,14 +135,15 @@ class Override:
         )
         for slot in seeing.tolist():
             self._foot[slot] = self._sumo_driver(slot)
-        self.braking = rows[:0]
+        self.braking = (self._holding & t.here & (self._held < -_HARD)).nonzero()[0]
         if not len(rows):
             return
-        self.braking, todo = _commands(
+        hard, todo = _commands(
             rows, self._foot, self._friction.at(rows) * G, erring, erring_accel, aeb, wrecked, wreck_speed, t.speed,
             t.step, t.dt, self._taken, self._planning, self._commanded, self._holding, self._held, self._since,
             self._until,
         )  # fmt: skip
+        self.braking = np.append(self.braking, hard)
         speeds = self._commanded[rows].tolist()
         for slot, speed, what in zip(rows.tolist(), speeds, todo.tolist(), strict=True):
             vehicle = ids[slot]

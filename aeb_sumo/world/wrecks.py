@@ -6,7 +6,7 @@ from itertools import product
 import libsumo
 import numpy as np
 
-from aeb_sumo.soa import Bools, Floats, fitted
+from aeb_sumo.soa import Bools, Floats, Ints, fitted
 from aeb_sumo.world.contact import Impact, impact, touching
 from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic, VClasses
@@ -113,6 +113,11 @@ class Wrecks:
                 new.append(crash)
         self._slow_down()
         return new
+
+    @property
+    def sliding(self) -> Ints:
+        """Slots of wrecks that do not stand yet."""
+        return (self.wrecked & (self.speed > 0)).nonzero()[0]
 
     def _slow_down(self) -> None:
         if self._until:
@@ -275,6 +280,7 @@ class Wrecks:
             if vehicle in self.traffic.slot:
                 self.removed.add(vehicle)
                 libsumo.vehicle.remove(vehicle)
+                self.traffic.taken_away(vehicle)
 
 
 def pair_of(a: str, b: str) -> tuple[str, str]:

@@ -30,6 +30,14 @@ def test_everybody_with_one_system_is_a_run_of_that_system():
             pd.testing.assert_frame_equal(frame, frames(plain, labels)[table])
 
 
+def test_verdicts_do_not_depend_on_a_system_that_nobody_has():
+    """In a fork the AEB that is withheld does nothing, whoever comes and goes meanwhile."""
+    plain = run(scenarios.load("highway"), "zhao2025", duration=90, seed=2, verdicts="all")
+    assert (plain.interventions["acted_by"] != "").sum() > 3
+    mix = run(scenarios.load("highway"), equip="zhao2025=1,yan2025=0", duration=90, seed=2, verdicts="all")
+    pd.testing.assert_frame_equal(*(each.interventions.drop(columns="run_id") for each in (plain, mix)))
+
+
 def test_one_system_in_a_share_of_the_cars_is_the_run_of_that_penetration():
     mix = run(scenarios.load("highway"), equip="zhao2025/radar=0.4", duration=60)
     plain = run(scenarios.load("highway"), "zhao2025", sensing="radar", penetration=0.4, duration=60)

@@ -1,11 +1,14 @@
 """Worlds that are legal and unusual: none may end in a traceback."""
 
+import libsumo
 import pytest
 
 import sumo_nets
 from aeb_sumo.errors import InputError
 from aeb_sumo.scenarios import from_sumocfg
 from aeb_sumo.simulate import run
+from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.session import IMPOSED, Session
 from tests.helpers import vehicle
 
 TRACK = sumo_nets.folder("track") / "track.net.xml"
@@ -106,3 +109,22 @@ def test_a_vehicle_that_parks_is_not_in_the_way(tmp_path):
     result = run(from_sumocfg(path), duration=40)
     assert len(result.crashes) == 0
     assert result.exposure.set_index("vclass").loc["truck", "distance_m"] > 350, "it has passed"
+
+
+def test_a_vehicle_taken_away_in_the_step_in_which_sumo_reads_a_flow_is_gone(world):
+    """SUMO's balance of all that is to come stays the same: one vehicle less, one flow more."""
+    kept = vehicle("v", 500, 5) + vehicle("w", 700, 0) + '<vehicle id="x" type="car" route="r" depart="10"/>'
+    flows = "".join(f'<flow id="f{k}" type="car" route="r" begin="{k}" end="99" period="50"/>' for k in (30, 60))
+    config = world(kept + flows, '<route-steps value="5"/>')
+    with Session(["-c", str(config), "--step-length", "0.1", *IMPOSED]) as session:
+        t, balance = Traffic(session.dt), []
+        for step in range(110):
+            if step == 100:
+                libsumo.vehicle.remove("w")
+                t.taken_away("w")
+            session.step()
+            t.observe()
+            t.release_slots()
+            balance.append(libsumo.simulation.getMinExpectedNumber())
+    assert balance[100] == balance[99]
+    assert sorted(t.slot) == ["v", "x"]
