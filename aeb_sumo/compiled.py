@@ -5,8 +5,8 @@ runs in every step is therefore one loop per part of the flow, written as the fo
 
 Rules, which tests/contract/test_kernels.py holds them to:
 
-* A kernel calls only kernels of its own file: Numba's cache looks at the file of the outer one alone, and would go on
-  with an old inner one.
+* A kernel calls only kernels of its own file, and takes numbers from there or as arguments: Numba's cache looks at the
+  file of the outer one alone, and would go on with old ones.
 * Kernels take arrays and numbers, no objects. They calculate with + - * / and `sqrt`, which give the same bits here as
   in NumPy; sines, powers and exponentials stay with NumPy, whose last digit differs from the C library's.
 """

@@ -221,9 +221,7 @@ class Lapses:
 
 
 @kernel
-def _advance(
-    time: float, due: Floats, at: Ints, ahead: Floats, on: Bools, accel: Floats, told: Ints
-) -> int:  # fmt: skip
+def _advance(time: float, due: Floats, at: Ints, ahead: Floats, on: Bools, accel: Floats, told: Ints) -> int:
     """Begin and end lapses; how many times, and each of them as twice its row, plus one for an end."""
     changes = 0
     for row in range(len(due)):

@@ -261,7 +261,7 @@ def _note(
             o.worst = second[k]
             for column in range(2):
                 o.where[2 * column], o.where[2 * column + 1] = x[slots[k, column]], y[slots[k, column]]
-            if ttc[k] < THREAT:
+            if threat[k]:
                 worse.append(k)
         o.min_gap, o.min_ttc, o.min_ttc2 = min(o.min_gap, gap[k]), min(o.min_ttc, ttc[k]), min(o.min_ttc2, ttc2[k])
         o.max_drac, o.max_required = max(o.max_drac, drac[k]), max(o.max_required, required[k])

@@ -11,7 +11,7 @@ import numpy as np
 from aeb_sumo.compiled import kernel
 from aeb_sumo.soa import Bools, Floats, Ints
 
-__all__ = ["NOBODY", "Screens", "diagonals", "hidden", "in_sight"]
+__all__ = ["NOBODY", "Screens", "diagonals", "in_sight"]
 
 NOBODY = -1
 """Owner of a screen that belongs to no vehicle."""
@@ -42,9 +42,6 @@ class Screens:
         return cls(pieces[order], owner[order], middle[order], spread)
 
 
-_NOTHING = Screens.of(np.zeros((0, 4)), np.zeros(0, np.int64))
-
-
 def diagonals(*, x: Floats, y: Floats, heading: Floats, length: Floats, width: Floats) -> Floats:
     """(2n, 4) diagonals of the bodies of n vehicles, first one of each, then the other of each [m].
 
@@ -66,29 +63,15 @@ def diagonals(*, x: Floats, y: Floats, heading: Floats, length: Floats, width: F
     )
 
 
-def hidden(lines: Floats, ends: Ints, screens: Screens) -> Bools:
-    """Which lines of sight a screen crosses.
-
-    A line that only touches the end of a screen, or ends on it, is crossed: there are no gaps in the corner of two
-    walls.
-
-    Args:
-        lines: (k, 4) x and y of the eye, x and y of what it looks at [m].
-        ends: (k, 2) slots of the vehicles at either end, whose own screens do not count.
-        screens: what is in the way.
-
-    Returns:
-        (k,) crossed.
-    """
-    return ~in_sight(lines[:, None], ends, screens, _NOTHING)
-
-
 def in_sight(lines: Floats, ends: Ints, bodies: Screens, walls: Screens) -> Bools:
     """To whom one of several lines of sight is free.
 
+    A line that only touches the end of a screen, or ends on it, is not free: there are no gaps in the corner of two
+    walls.
+
     Args:
-        lines: (k, p, 4) from each eye to p points of what it looks at; see `hidden`.
-        ends: (k, 2) as for `hidden`.
+        lines: (k, p, 4) x and y of each eye, x and y of p points of what it looks at [m].
+        ends: (k, 2) slots of the vehicles at either end, whose own screens do not count.
         bodies: what is in the way ...
         walls: ... and what else.
 

@@ -35,7 +35,6 @@ class Tracks:
 
     Attributes:
         key: (n,) identity of the pair, for its noise.
-        seen: (n,) in view without a gap for so long [s]; -inf: not in view.
         history: (n,) detections of the last frames, one bit each, newest lowest.
         confirmed: (n,) counts as a target.
         along: (n, 3) and (n, 3, 3) estimate of distance, its rate, and the target's own acceleration.
@@ -46,7 +45,6 @@ class Tracks:
     """
 
     key: Keys
-    seen: Floats
     history: Keys
     confirmed: Bools
     along: Floats
@@ -95,7 +93,6 @@ def track_init(suite: Suite, keys: Keys, dt: float) -> Tracks | Views:
         return Views(key=keys, seen=np.full(n, UNSEEN), confirmed=np.zeros(n, np.bool_))
     return Tracks(
         key=keys,
-        seen=np.full(n, UNSEEN),
         history=np.zeros(n, np.uint64),
         confirmed=np.zeros(n, np.bool_),
         along=np.zeros((n, 3)),
@@ -113,9 +110,8 @@ def track_settled(suite: Suite, keys: Keys, truth: Measurable, dt: float) -> Tra
     detect in every second frame where it is now has no track yet.
     """
     tracks = track_init(suite, keys, dt)
-    seen = np.where(truth.in_view, suite.persist, UNSEEN)
     if isinstance(tracks, Views):
-        return replace(tracks, seen=seen)
+        return replace(tracks, seen=np.where(truth.in_view, suite.persist, UNSEEN))
     clear = np.zeros(len(keys), np.bool_)
     for sensor in suite.sensors:
         sees = truth.in_view & (truth.bearing <= np.radians(sensor.field_of_view / 2))
@@ -132,7 +128,6 @@ def track_settled(suite: Suite, keys: Keys, truth: Measurable, dt: float) -> Tra
     along = np.column_stack([then.distance, -then.closing, then.own_accel - then.closing_accel])
     return replace(
         tracks,
-        seen=seen,
         history=np.where(clear, np.uint64(2 ** suite.confirm[1] - 1), np.uint64(0)),
         confirmed=clear,
         along=along + np.column_stack(noise) * spread,
@@ -160,13 +155,13 @@ def track_step(suite: Suite, tracks: Tracks | Views, truth: Measurable, *, time:
     An ideal suite confirms what has been in view for `Suite.persist`. Any other takes the frames that fall into the
     step; in each, every sensor detects with the probability of `detection` or not at all, and measures with noise.
     """
-    seen = seen_for(tracks.seen, truth.in_view, dt)
     if isinstance(tracks, Views):
+        seen = seen_for(tracks.seen, truth.in_view, dt)
         return Views(key=tracks.key, seen=seen, confirmed=seen >= suite.persist - dt / 2)
     truth, past = _delayed(tracks.past, truth)
-    tracks = _predicted(_turned(replace(tracks, seen=seen, past=past), truth.turn), suite, truth.own_accel, dt)
+    tracks = _predicted(_turned(replace(tracks, past=past), truth.turn), suite, truth.own_accel, dt)
     # Every vehicle's frames have a phase of their own.
-    phase = uniforms(tracks.key, np.zeros(len(seen), np.int64), 0)
+    phase = uniforms(tracks.key, np.zeros(len(tracks.key), np.int64), 0)
     before = np.floor((time - dt) / suite.cycle + phase).astype(np.int64)
     after = np.floor(time / suite.cycle + phase).astype(np.int64)
     for extra in range(int((after - before).max(initial=0))):

@@ -1,3 +1,4 @@
+import ast
 import pkgutil
 import subprocess
 import sys
@@ -31,6 +32,18 @@ def reached(kernel):
 def test_a_kernel_calls_only_kernels_of_its_own_file(kernel):
     called = [value for value in reached(kernel).values() if isinstance(value, Dispatcher)]
     assert all(one.py_func.__module__ == kernel.py_func.__module__ for one in called)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_a_kernel_takes_no_numbers_from_other_files_but_those_of_nature(kernel):
+    tree = ast.parse(Path(kernel.py_func.__code__.co_filename).read_text(encoding="utf-8"))
+    imported = {
+        alias.asname or alias.name
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("aeb_sumo") and node.module != "aeb_sumo.units"
+        for alias in node.names
+    }
+    assert not imported & set(reached(kernel))
 
 
 @pytest.mark.parametrize("kernel", KERNELS)

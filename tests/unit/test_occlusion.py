@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aeb_sumo.perception.occlusion import NOBODY, Screens, diagonals, hidden
+from aeb_sumo.perception.occlusion import NOBODY, Screens, diagonals, in_sight
 from aeb_sumo.world.contact import Boxes, separation
 
 EYE, TARGET, OTHER = 0, 1, 2
@@ -17,6 +17,10 @@ def car(x=10.0, y=0.0, heading=0.0, length=4.6, width=1.8, slot=OTHER):
 
 def wall(*pieces):
     return Screens.of(np.array(pieces, float).reshape(-1, 4), np.full(len(pieces), NOBODY))
+
+
+def hidden(lines, ends, screens):
+    return ~in_sight(lines[:, None], ends, screens, wall())
 
 
 def blocked(screens, to=(20.0, 0.0), eye=(0.0, 0.0)):
@@ -55,6 +59,16 @@ def test_every_line_is_judged_alone_and_whatever_the_order_of_the_screens():
     shuffled = rng.permutation(60)
     again = Screens.of(pieces[shuffled], owner[shuffled])
     assert [bool(hidden(lines[k : k + 1], ends[k : k + 1], again)[0]) for k in range(40)] == together.tolist()
+
+
+def test_one_free_line_past_bodies_and_walls_is_enough():
+    lines, ends = np.array([[[0, 0, 20, -1], [0, 0, 20, 1]]], float), np.array([[EYE, TARGET]])
+    low, high = wall((10, -2, 10, 0)), wall((10, 0, 10, 2))
+    assert in_sight(lines, ends, wall(), wall())[0]
+    for screen in (low, high):
+        assert in_sight(lines, ends, screen, wall())[0]
+        assert in_sight(lines, ends, wall(), screen)[0]
+    assert not in_sight(lines, ends, low, high)[0]
 
 
 away = st.floats(-30, 30)
