@@ -74,6 +74,7 @@ def start(spec: Path, out: Path, address: str) -> "subprocess.Popen[str]":
     return subprocess.Popen(words, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=spec.parent)
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_half_way_changes_nothing(cluster, tmp_path):
     address, _, workers = cluster
     spec = tmp_path / "spec.toml"
@@ -106,6 +107,7 @@ def test_a_campaign_that_ends_leaves_no_run_on_the_cluster(cluster, tmp_path, en
     assert not tables(tmp_path / "out")
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_dies_is_one_line_and_loses_nothing(cluster, tmp_path):
     address, scheduler, _ = cluster
     spec = tmp_path / "spec.toml"

@@ -63,6 +63,7 @@ def test_from_the_first_run_to_a_changed_strategy(check, table):
     assert OTHER in table.read_text(encoding="utf-8") != written
 
 
+@pytest.mark.slow
 def test_workers_share_a_table(check, table):
     test = "\n".join(
         f"def test_{n}(aeb_golden):\n    aeb_golden('track', 'none', name='run {n}', duration=1)" for n in range(4)
