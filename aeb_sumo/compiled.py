@@ -11,13 +11,19 @@ Rules, which tests/contract/test_kernels.py holds them to:
   in NumPy; sines, powers and exponentials stay with NumPy, whose last digit differs from the C library's.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from importlib import import_module
 from typing import Any, TypeVar, cast
 
 from numba import njit
 from numba.core import event
 
-__all__ = ["announce", "kernel"]
+__all__ = ["announce", "kernel", "known", "prepare"]
+
+Known = tuple[str, str, tuple[Any, ...]]
+"""Module and name of a kernel, and the types of its arguments."""
+
+_kernels: list[Any] = []
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -25,9 +31,22 @@ F = TypeVar("F", bound=Callable[..., Any])
 def kernel(function: F) -> F:
     """Compile a function at its first call; divisions by zero give `inf` and nan, as in NumPy."""
     try:
-        return cast("F", njit(cache=True, error_model="numpy")(function))
+        compiled = njit(cache=True, error_model="numpy")(function)
     except RuntimeError:  # nowhere to keep it: neither beside the source nor in a folder of the user's
-        return cast("F", njit(error_model="numpy")(function))
+        compiled = njit(error_model="numpy")(function)
+    _kernels.append(compiled)
+    return cast("F", compiled)
+
+
+def known() -> list[Known]:
+    """The kernels that this process has compiled or loaded, to be given `prepare` in another."""
+    return [(each.__module__, each.__name__, types) for each in _kernels for types in each.signatures]
+
+
+def prepare(kernels: Iterable[Known]) -> None:
+    """Compile or load kernels before they are called; from `known` of a process of the same program."""
+    for module, name, types in kernels:
+        getattr(import_module(module), name).compile(types)
 
 
 def announce(say: Callable[[], None]) -> None:

@@ -4,7 +4,7 @@ import resource
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout, suppress
 from io import StringIO
 from pathlib import Path
 from types import SimpleNamespace
@@ -77,6 +77,30 @@ def full_disk(size: int) -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def campaign_workers(pid: int) -> list[int]:
+    """The workers of a campaign that is executed in a process."""
+    return [child for child in _children(pid) if b"aeb_sumo.campaign.worker" in _command_line(child)]
+
+
+def runs_at_work(pid: int) -> list[int]:
+    """The processes of runs that its workers have forked."""
+    return [run for worker in campaign_workers(pid) for run in _children(worker)]
+
+
+def _children(pid: int) -> list[int]:
+    found: list[int] = []
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        with suppress(OSError):  # it has ended meanwhile
+            found += map(int, task.read_text().split())
+    return found
+
+
+def _command_line(pid: int) -> bytes:
+    with suppress(OSError):
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    return b""
 
 
 def wait_for(what: Callable[[], Any], seconds: float = 60.0) -> Any:

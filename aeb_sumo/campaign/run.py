@@ -8,11 +8,21 @@ from aeb_sumo.campaign.settings import Settings
 from aeb_sumo.errors import InputError
 from aeb_sumo.simulate import run
 
-__all__ = ["NotTheSameError", "simulate"]
+__all__ = ["NotTheSameError", "prepare", "simulate"]
 
 
 class NotTheSameError(Exception):
     """Here are other files, or another program, than where the campaign was started."""
+
+
+def prepare(job: Mapping[str, Any]) -> None:
+    """Calculate what is calculated once per process for the systems of a run, such as control surfaces.
+
+    Raises:
+        Exception: whatever keeps them from being made; `simulate` says what.
+    """
+    for system in Settings.of(job["settings"]).carried.make().systems:
+        system.strategy.init(1)
 
 
 def simulate(job: Mapping[str, Any], stop: Callable[[], bool]) -> tuple[str, str]:

@@ -4,11 +4,13 @@ from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, as_completed
 from dataclasses import dataclass, replace
 from typing import Any
+from uuid import uuid4
 
 from aeb_sumo.campaign import journal
-from aeb_sumo.campaign.execute import Outcome, allow_workers, end_workers, execute
+from aeb_sumo.campaign.execute import Outcome, execute
 from aeb_sumo.campaign.expansion import Job
 from aeb_sumo.campaign.failure import row_of
+from aeb_sumo.campaign.workers import allow_workers, dismiss_idle, end_workers
 from aeb_sumo.errors import InputError
 from aeb_sumo.results.place import Place
 from aeb_sumo.results.reader import Stored
@@ -42,13 +44,13 @@ def split(jobs: Sequence[Job], out: str) -> Work:
     )
 
 
-def payload(job: Job, out: str) -> dict[str, Any]:
-    """A job as plain values, as `execute` takes it. Where it is executed, the present folder is another one."""
+def payload(job: Job, out: str, campaign: str = "") -> dict[str, Any]:
+    """A job of a campaign as plain values, as `execute` takes it; the present folder is another one there."""
     local = Place.of(out).local
     out = out if local is None else str(local.absolute())
     return {
         "run_id": job.run_id, "out": out, "settings": job.settings.plain(), "content": dict(job.content),
-        "limit_s": job.limit_s,
+        "limit_s": job.limit_s, "campaign": campaign,
     }  # fmt: skip
 
 
@@ -77,11 +79,12 @@ def execute_all(
             until then is kept.
     """
     allow_workers()
+    campaign = uuid4().hex  # another time, code and files may be others
     futures: dict[Future[Outcome], Job] = {}
     outcomes = []
     try:
         for job in jobs:
-            futures[executor.submit(how, payload(job, out))] = job
+            futures[executor.submit(how, payload(job, out, campaign))] = job
         for future in as_completed(futures):
             outcome = _kept(_outcome(future, futures[future]), futures[future], out)
             journal.note(out, outcome)
@@ -92,6 +95,7 @@ def execute_all(
             future.cancel()
         end_workers()
         raise
+    dismiss_idle()
     return outcomes
 
 

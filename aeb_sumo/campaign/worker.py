@@ -1,62 +1,205 @@
-"""The process of one run: reads a job, simulates, writes its tables, says on the last line how it went."""
+"""A worker of a campaign: has at hand what runs need, and lets a fresh fork of itself simulate each of them.
+
+libsumo holds one world per process, and to get ready takes longer than a short run. So a worker never starts SUMO
+itself: for every job on standard input it forks a process that simulates it, writes its tables and is gone; on standard
+output the worker says how it went. What is calculated once for a system the worker has calculated before; what a run
+had to import and compile, it imports and compiles after it: the next one has all that from the beginning.
+"""
 
 import ctypes
+import gc
 import json
 import os
+import pickle
 import resource
+import select
 import signal
 import sys
 import time
 import traceback
+import warnings
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib import import_module
 from math import ceil
 from types import FrameType
 from typing import Any
 
-__all__ = ["main"]
+__all__ = ["TAKEN", "death", "main"]
+
+TAKEN = b"taken\n"
+"""What a worker says when it begins with a job; it says how that ended in another line."""
 
 _PR_SET_PDEATHSIG = 1
-_BEYOND = 60.0  # s over its limit after which a worker ends even if nobody is left to kill it, our assumption
+_BEYOND = 60.0  # s over its limit after which a run ends even if nobody is left to kill it, our assumption
+_IDLE = 20.0  # s without a job after which a worker ends, our assumption: somebody else may have use for the memory
+_READ = 1 << 16  # bytes at once
+_LAST = 4096  # bytes of what a run prints are kept: its last words
 
 
 class _GivenUpError(BaseException):
     """The campaign has ended, or wants this run to end: nothing of it is to be kept."""
 
 
+@dataclass(frozen=True)
+class _Told:
+    """What the process of a run tells its worker.
+
+    Attributes:
+        result: how the run ended.
+        modules: what it had to import.
+        kernels: what it had to compile, as from `compiled.known`.
+    """
+
+    result: dict[str, Any]
+    modules: list[str]
+    kernels: list[Any]
+
+
 def main() -> None:
-    """Run the job on standard input."""
-    answer = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # whoever prints does not disturb the answer
+    """Have the jobs on standard input simulated, until there are no more."""
+    answers = os.fdopen(os.dup(1), "wb", buffering=0)
+    os.dup2(2, 1)  # whoever prints does not disturb the answers
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _give_up)
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGTERM))
     try:
-        job = json.load(sys.stdin.buffer)
-        signal.alarm(ceil(min(job["limit_s"] + _BEYOND, 2**31 - 1)))
-        result = _run(job)
-    except _GivenUpError:
+        from aeb_sumo.campaign.identity import code  # noqa: PLC0415 - what takes long comes after the signals
+
+        code()  # as it is now, whatever is changed on the disk before the last job
+        for job in _jobs():
+            answers.write(TAKEN)
+            answers.write(json.dumps(_simulated(job, answers.fileno())).encode() + b"\n")
+    except (_GivenUpError, BrokenPipeError):
         sys.exit(1)
-    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it is done
-    answer.write(json.dumps(result) + "\n")
-    answer.close()
 
 
 def _give_up(number: int, frame: FrameType | None) -> None:  # noqa: ARG001
     raise _GivenUpError
 
 
-def _run(job: dict[str, Any]) -> dict[str, Any]:
-    """The outcome of a run."""
-    from aeb_sumo.campaign.run import NotTheSameError, simulate  # noqa: PLC0415 - what takes long comes after the signals
-    from aeb_sumo.errors import InputError  # noqa: PLC0415
+def _jobs() -> Iterator[dict[str, Any]]:
+    """A line each; the next one comes when the last is answered."""
+    line = b""
+    while _readable([0], _IDLE) and (data := os.read(0, _READ)):
+        line += data
+        if line.endswith(b"\n"):
+            yield json.loads(line)
+            line = b""
 
-    parent = job["parent"]
+
+def _readable(files: list[int], patience: float | None = None) -> list[int]:
+    """Of some files those with something to read, or at their end; none after so many seconds."""
+    return select.select(files, [], [], patience)[0]
+
+
+def _simulated(job: dict[str, Any], answers: int) -> dict[str, Any]:
+    """The outcome of a job, whatever happens to its process, which has no part in the `answers`.
+
+    Raises:
+        _GivenUpError: nobody waits for it any more.
+    """
+    from aeb_sumo.campaign.run import prepare  # noqa: PLC0415
+
+    with suppress(Exception):  # the run will say why
+        prepare(job)
+    gc.freeze()  # what is here now is shared with all forks, and collecting it would copy it
+    (inward, outward), (heard, said) = os.pipe(), os.pipe()
+    with warnings.catch_warnings():
+        # Python sees threads, those of the linear algebra, and does not know that they expect forks.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        worker, run = os.getpid(), os.fork()
+    if run == 0:
+        for end in (answers, inward, heard):
+            os.close(end)
+        _live(job, worker, outward, said)
+    for end in (outward, said):
+        os.close(end)
+    try:
+        told, messages = _listen(inward, heard)
+    except _GivenUpError:
+        os.kill(run, signal.SIGTERM)
+        raise
+    finally:
+        _, status = os.waitpid(run, 0)
+        for end in (inward, heard):
+            os.close(end)
+    try:
+        answer: _Told = pickle.loads(told)  # noqa: S301 - from a copy of ourselves
+    except (EOFError, pickle.UnpicklingError):
+        return {"outcome": "failed", "reason": death(os.waitstatus_to_exitcode(status), messages)}
+    _learn(answer)
+    return answer.result
+
+
+def _listen(inward: int, heard: int) -> tuple[bytes, bytes]:
+    """What a run tells until its end, and its last words."""
+    told, messages, there = b"", b"", [0, inward, heard]
+    while len(there) > 1:
+        for file in _readable(there):
+            if file == 0:  # there is no other job before this one is answered, so it is the end of the campaign
+                raise _GivenUpError
+            data = os.read(file, _READ)
+            if not data:
+                there.remove(file)
+            elif file == inward:
+                told += data
+            else:
+                messages = (messages + data)[-_LAST:]
+    return told, messages
+
+
+def _learn(answer: _Told) -> None:
+    """Have from now on what a run had to import and compile."""
+    from aeb_sumo import compiled  # noqa: PLC0415
+
+    for name in answer.modules:
+        with suppress(Exception):  # made up by somebody, and not to be imported by its name
+            import_module(name)
+    compiled.prepare(answer.kernels)
+
+
+def _live(job: dict[str, Any], worker: int, outward: int, said: int) -> None:
+    """The life of the process of a run; it ends here."""
+    try:
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGTERM))
+        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+        os.dup2(said, 1)
+        os.dup2(said, 2)
+        signal.alarm(ceil(min(job["limit_s"] + _BEYOND, 2**31 - 1)))
+        told = _run(job, worker)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it is done
+        with os.fdopen(outward, "wb") as pipe:
+            pickle.dump(told, pipe)
+        status = 0
+    except _GivenUpError:
+        status = 1
+    except BaseException:
+        traceback.print_exc()
+        status = 1
+    sys.stderr.flush()
+    os._exit(status)
+
+
+def _run(job: dict[str, Any], worker: int) -> _Told:
+    """How a run ended, and what the next one need not do again."""
+    from aeb_sumo import compiled  # noqa: PLC0415
+
+    before = set(sys.modules)
+    result = _result(job, worker)
+    return _Told(result, [name for name in sys.modules if name not in before], compiled.known())
+
+
+def _result(job: dict[str, Any], worker: int) -> dict[str, Any]:
+    from aeb_sumo.campaign.run import NotTheSameError, simulate  # noqa: PLC0415
+    from aeb_sumo.errors import InputError  # noqa: PLC0415
 
     started = 0.0
 
     def stop() -> bool:
         nonlocal started
         started = started or _spent()
-        if os.getppid() != parent:
+        if os.getppid() != worker:
             raise _GivenUpError
         return False
 
@@ -91,6 +234,16 @@ def _storage(error: BaseException | None) -> str:
             return os.strerror(error.errno) + place
         error = error.__cause__ or error.__context__
     return ""
+
+
+def death(status: int, messages: bytes) -> str:
+    """How a process ended that gave no answer."""
+    lines = [line.strip() for line in messages.decode(errors="replace").splitlines() if line.strip()]
+    last = f": {lines[-1]}" if lines else ""
+    if status >= 0:
+        return f"its process ended with status {status}{last}"
+    name = next((each.name for each in signal.Signals if each == -status), f"signal {-status}")
+    return f"its process was ended by {name} ({signal.strsignal(-status)}){last}"
 
 
 if __name__ == "__main__":

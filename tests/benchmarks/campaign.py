@@ -40,7 +40,7 @@ def per_hour(runs: int, workers: int) -> float:
 
 def main() -> None:
     """Measure and print."""
-    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 8
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 60
     best = {1: 0.0, 2: 0.0}
     for number in range(ROUNDS):
         for workers in (1, 2):

@@ -57,6 +57,25 @@ def test_a_kernel_is_kept_from_one_process_to_the_next(kernel):
     assert type(kernel._cache).__name__ == "FunctionCache"
 
 
+def test_what_one_process_has_compiled_another_can_prepare(tmp_path):
+    one = """import pickle, sys
+from aeb_sumo import compiled
+from aeb_sumo.criticality import ttc
+ttc(gap=1.0, closing_speed=1.0)
+pickle.dump(compiled.known(), open(sys.argv[1], 'wb'))
+"""
+    other = """import pickle, sys
+from aeb_sumo import compiled
+kernels = pickle.load(open(sys.argv[1], 'rb'))
+assert kernels
+assert not compiled.known()
+compiled.prepare(kernels)
+assert compiled.known() == kernels
+"""
+    for code in (one, other):
+        subprocess.run([sys.executable, "-c", code, str(tmp_path / "kernels")], check=True)
+
+
 def test_compiling_is_announced_once_and_a_kept_kernel_is_not(tmp_path, monkeypatch):
     (tmp_path / "some_kernels.py").write_text(
         "from aeb_sumo.compiled import announce, kernel\n"

@@ -23,10 +23,11 @@ from aeb_sumo.campaign.failure import row_of
 from aeb_sumo.campaign.lock import locked
 from aeb_sumo.campaign.runner import execute_all, payload
 from aeb_sumo.campaign.spec import read
+from aeb_sumo.campaign.workers import dismiss_idle
 from aeb_sumo.errors import InputError
 from aeb_sumo.results import TABLES, commit_failure, finished
 from aeb_sumo.results.command import arguments
-from tests.helpers import SMALL_CAMPAIGN, command, wait_for
+from tests.helpers import SMALL_CAMPAIGN, campaign_workers, command, runs_at_work, wait_for
 
 
 def tables(folder: Path) -> dict[str, str]:
@@ -43,21 +44,6 @@ def start(spec: Path, out: Path, *options: str, **popen: object) -> "subprocess.
 def finish(process: "subprocess.Popen[str]") -> tuple[int, str, str]:
     out, err = process.communicate(timeout=120)
     return process.returncode, out, err
-
-
-def workers(pid: int) -> list[int]:
-    """Processes of runs that a campaign has at work."""
-    found = []
-    for task in Path(f"/proc/{pid}/task").glob("*/children"):
-        try:
-            children = task.read_text().split()
-        except OSError:
-            continue
-        for child in children:
-            line = Path(f"/proc/{child}/cmdline")
-            if line.exists() and b"aeb_sumo.campaign.worker" in line.read_bytes():
-                found.append(int(child))
-    return found
 
 
 @pytest.fixture
@@ -188,30 +174,44 @@ def test_a_lock_dies_with_its_process(tmp_path):
         pass
 
 
+MANY = SMALL_CAMPAIGN.replace("= 8", "= 20").format(seeds="'1..30'")
+"""Of 60 runs, which take a few seconds in all."""
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory) -> Path:
+    """The tables of a longer campaign."""
+    folder = tmp_path_factory.mktemp("undisturbed")
+    (folder / "spec.toml").write_text(MANY)
+    done = command("campaign", folder / "spec.toml", "--out", folder / "out", "--workers", 2)
+    assert done.returncode == 0, done.stderr
+    return folder / "out"
+
+
 def kill_and_resume(spec: Path, out: Path, chance: np.random.Generator, kills: int) -> None:
     """SIGKILL a campaign at random moments, then let it end."""
+    spec.write_text(MANY)
     for _ in range(kills):
         process = start(spec, out, "--workers", "2")
-        already = len(finished(out))
-        wanted = min(already + int(chance.integers(3)), 5)
+        wanted = min(len(finished(out)) + int(chance.integers(20)), 59)
         wait_for(lambda n=wanted, p=process: len(finished(out)) >= n or p.poll() is not None)
-        time.sleep(chance.uniform(0.0, 3.0))
+        time.sleep(chance.uniform(0.0, 0.3))
         process.kill()
         process.communicate()
     code, _, errors = finish(start(spec, out, "--workers", "2"))
     assert code == 0, errors
 
 
-def test_a_campaign_that_is_killed_and_started_again_is_as_if_it_never_was(reference, tmp_path, spec):
+def test_a_campaign_that_is_killed_and_started_again_is_as_if_it_never_was(undisturbed, tmp_path, spec):
     kill_and_resume(spec, tmp_path / "out", np.random.default_rng(1), kills=2)
-    assert tables(tmp_path / "out") == tables(reference)
+    assert tables(tmp_path / "out") == tables(undisturbed)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
-def test_the_same_at_many_random_moments(reference, tmp_path, spec, seed):
+def test_the_same_at_many_random_moments(undisturbed, tmp_path, spec, seed):
     kill_and_resume(spec, tmp_path / "out", np.random.default_rng(100 + seed), kills=3)
-    assert tables(tmp_path / "out") == tables(reference)
+    assert tables(tmp_path / "out") == tables(undisturbed)
 
 
 LONG = SMALL_CAMPAIGN.replace('"track"', '"w0"').replace("= 8", "= 3600").format(seeds=[1, 2])
@@ -221,34 +221,35 @@ def test_workers_of_a_campaign_that_is_killed_end_and_leave_nothing(tmp_path, sp
     spec.write_text(LONG)
     out = tmp_path / "out"
     process = start(spec, out, "--workers", "2")
-    at_work = wait_for(lambda: len(found := workers(process.pid)) == 2 and list(out.glob("runs/.*")) and found)
+    at_work = wait_for(lambda: len(found := runs_at_work(process.pid)) == 2 and list(out.glob("runs/.*")) and found)
     process.kill()
     process.communicate()
     wait_for(lambda: not any(Path(f"/proc/{pid}").exists() for pid in at_work), 20)
     assert not tables(out)
 
 
-def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(reference, tmp_path, spec):
+def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(undisturbed, tmp_path, spec):
+    spec.write_text(MANY)
     out = tmp_path / "out"
     process = start(spec, out, "--workers", "2")
     wait_for(lambda: finished(out))
-    at_work = workers(process.pid)
+    at_work = campaign_workers(process.pid) + runs_at_work(process.pid)
     process.send_signal(signal.SIGINT)
     code, _, errors = finish(process)
     assert code == 130
     (line,) = errors.splitlines()
     assert "interrupted; finished runs are kept, and the same command does the rest" in line
     assert not any(Path(f"/proc/{pid}").exists() for pid in at_work)
-    assert 0 < len(finished(out)) < 6
+    assert 0 < len(finished(out)) < 60
     assert set(analysis.load(out).runs["outcome"]) == {"completed"}
     assert command("campaign", spec, "--out", out).returncode == 0
-    assert tables(out) == tables(reference)
+    assert tables(out) == tables(undisturbed)
 
 
 def test_a_run_whose_process_dies_is_a_row_and_the_campaign_goes_on(reference, tmp_path, spec):
     out = tmp_path / "out"
     process = start(spec, out, "--workers", "1")
-    (victim,) = wait_for(lambda: workers(process.pid))
+    (victim,) = wait_for(lambda: runs_at_work(process.pid))
     os.kill(victim, signal.SIGKILL)
     code, summary, errors = finish(process)
     assert code == 1
@@ -281,11 +282,40 @@ def test_a_process_that_is_ended_by_any_signal_is_a_row_that_says_so(tmp_path, s
     job = payload(expand(read(spec))[0], str(tmp_path / "out"))
     with ThreadPoolExecutor(1) as executor:
         future = executor.submit(execute, job)
-        (worker,) = wait_for(lambda: workers(os.getpid()))
-        os.kill(worker, number)
+        (run,) = wait_for(lambda: runs_at_work(os.getpid()))
+        os.kill(run, number)
         outcome = future.result(60)
     assert outcome.outcome == "failed"
     assert outcome.reason.startswith(f"its process was ended by {name}")
+
+
+def test_a_worker_that_is_killed_is_a_row_that_says_so_and_another_takes_its_place(tmp_path, spec):
+    jobs = [payload(job, str(tmp_path / "out")) for job in expand(read(spec))]
+    with ThreadPoolExecutor(1) as executor:
+        future = executor.submit(execute, jobs[0])
+        wait_for(lambda: runs_at_work(os.getpid()))
+        (worker,) = campaign_workers(os.getpid())
+        os.kill(worker, signal.SIGKILL)
+        assert future.result(60).reason.startswith("its process was ended by SIGKILL (Killed)")
+    assert execute(jobs[1]).outcome == "completed"
+    dismiss_idle()
+
+
+def test_workers_do_one_run_after_the_other_for_one_campaign_and_may_leave_in_between(tmp_path, spec):
+    first, second, third, fourth = expand(read(spec))[:4]
+    out = str(tmp_path / "out")
+    assert execute(payload(first, out, "one")).outcome == "completed"
+    (worker,) = campaign_workers(os.getpid())
+    assert execute(payload(second, out, "one")).outcome == "completed"
+    assert campaign_workers(os.getpid()) == [worker]
+    assert execute(payload(third, out, "two")).outcome == "completed"
+    (other,) = campaign_workers(os.getpid())
+    assert other != worker, "code and files may have changed since"
+    os.kill(other, signal.SIGTERM)
+    assert execute(payload(fourth, out, "two")).outcome == "completed"
+    assert campaign_workers(os.getpid()) not in ([], [other])
+    dismiss_idle()
+    assert not campaign_workers(os.getpid())
 
 
 def test_a_run_that_takes_too_long_is_killed(tmp_path, spec):
@@ -378,11 +408,11 @@ def test_a_process_that_hangs_and_does_not_listen_is_killed(tmp_path, spec):
     job = payload(expand(read(spec))[0], str(tmp_path / "out"))
     with ThreadPoolExecutor(1) as executor:
         future = executor.submit(execute, job)
-        (worker,) = wait_for(lambda: workers(os.getpid()))
-        os.kill(worker, signal.SIGSTOP)
+        (run,) = wait_for(lambda: runs_at_work(os.getpid()))
+        os.kill(run, signal.SIGSTOP)
         outcome = future.result(60)
     assert (outcome.outcome, outcome.reason) == ("failed", "took longer than limit_s, 5 s, and was killed")
-    assert not Path(f"/proc/{worker}").exists()
+    assert not Path(f"/proc/{run}").exists()
 
 
 def test_any_executor_will_do(reference, tmp_path, spec):

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from aeb_sumo.results import TABLES, finished
-from tests.helpers import command, wait_for
+from tests.helpers import command, runs_at_work, wait_for
 
 pytest.importorskip("distributed")
 
@@ -57,17 +57,6 @@ def cluster(tmp_path):
         process.wait()
 
 
-def at_work(worker: "subprocess.Popen[bytes]") -> list[int]:
-    """Processes of runs that a worker has started."""
-    found = []
-    for task in Path(f"/proc/{worker.pid}/task").glob("*/children"):
-        for child in task.read_text().split():
-            line = Path(f"/proc/{child}/cmdline")
-            if line.exists() and b"aeb_sumo.campaign.worker" in line.read_bytes():
-                found.append(int(child))
-    return found
-
-
 def start(spec: Path, out: Path, address: str) -> "subprocess.Popen[str]":
     """A campaign that names its files as seen from their folder, where no worker stands."""
     words = [sys.executable, "-m", "aeb_sumo", "campaign", spec.name, "--out", out.name, "--scheduler", address]
@@ -78,12 +67,12 @@ def start(spec: Path, out: Path, address: str) -> "subprocess.Popen[str]":
 def test_a_worker_that_dies_half_way_changes_nothing(cluster, tmp_path):
     address, _, workers = cluster
     spec = tmp_path / "spec.toml"
-    spec.write_text(SPEC.format(scenario="track", duration=8))
+    spec.write_text(SPEC.format(scenario="w0", duration=60))
     here = command("campaign", spec, "--out", tmp_path / "here", "--quiet")
     assert here.returncode == 0, here.stderr
     campaign = start(spec, tmp_path / "there", address)
     wait_for(lambda: len(finished(tmp_path / "there")) >= 2)
-    (orphan,) = wait_for(lambda: at_work(workers[0]))
+    (orphan,) = wait_for(lambda: runs_at_work(workers[0].pid))
     workers[0].kill()
     out, errors = campaign.communicate(timeout=120)
     assert campaign.returncode == 0, errors
@@ -98,11 +87,11 @@ def test_a_campaign_that_ends_leaves_no_run_on_the_cluster(cluster, tmp_path, en
     spec = tmp_path / "spec.toml"
     spec.write_text(SPEC.format(scenario="w0", duration=3600))
     campaign = start(spec, tmp_path / "out", address)
-    wait_for(lambda: all(at_work(worker) for worker in workers))
+    wait_for(lambda: all(runs_at_work(worker.pid) for worker in workers))
     campaign.send_signal(end)
     campaign.communicate(timeout=30)
     assert campaign.returncode == (130 if end == signal.SIGINT else -signal.SIGKILL)
-    wait_for(lambda: not any(at_work(worker) for worker in workers), 20)
+    wait_for(lambda: not any(runs_at_work(worker.pid) for worker in workers), 20)
     assert not finished(tmp_path / "out")
     assert not tables(tmp_path / "out")
 

@@ -29,7 +29,7 @@ def test_pilot_runs_tell_cost_and_traffic_and_leave_nothing(tmp_path):
     assert "2 rows are based on one pilot run each, of 4 s or the whole run if that is shorter, with 0 crashes" in words
     assert "a guess" in words
     hours, km = re.search(r"to do: ([\d.,]+) core-hours.* ([\d.,]+) vehicle-km in all", words).groups()
-    assert 0.01 < float(hours) < 1
+    assert 0.001 < float(hours) < 1
     assert 1 < float(km.replace(",", "")) < 100
     assert [path.name for path in tmp_path.iterdir()] == ["spec.toml"]
 
