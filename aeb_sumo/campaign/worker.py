@@ -34,6 +34,8 @@ TAKEN = b"taken\n"
 _PR_SET_PDEATHSIG = 1
 _BEYOND = 60.0  # s over its limit after which a run ends even if nobody is left to kill it, our assumption
 _IDLE = 20.0  # s without a job after which a worker ends, our assumption: somebody else may have use for the memory
+_GRACE = 3.0  # s, our assumption: that a run has to end by itself when it is asked to
+_LOOK = 0.02  # s between two looks whether it has
 _READ = 1 << 16  # bytes at once
 _LAST = 4096  # bytes of what a run prints are kept: its last words
 
@@ -118,18 +120,30 @@ def _simulated(job: dict[str, Any], answers: int) -> dict[str, Any]:
     try:
         told, messages = _listen(inward, heard)
     except _GivenUpError:
-        os.kill(run, signal.SIGTERM)
+        _end(run)
         raise
     finally:
-        _, status = os.waitpid(run, 0)
+        status = os.waitstatus_to_exitcode(os.waitpid(run, 0)[1])
         for end in (inward, heard):
             os.close(end)
     try:
         answer: _Told = pickle.loads(told)  # noqa: S301 - from a copy of ourselves
     except (EOFError, pickle.UnpicklingError):
-        return {"outcome": "failed", "reason": death(os.waitstatus_to_exitcode(status), messages)}
+        return {"outcome": "failed", "reason": death(status, messages)}
     _learn(answer)
     return answer.result
+
+
+def _end(run: int) -> None:
+    """Ask a run to end, so that it takes away what is unfinished; one that does not is killed."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # once is enough
+    os.kill(run, signal.SIGTERM)
+    deadline = time.monotonic() + _GRACE
+    while os.waitid(os.P_PID, run, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
+        if time.monotonic() > deadline:
+            os.kill(run, signal.SIGKILL)
+            return
+        time.sleep(_LOOK)
 
 
 def _listen(inward: int, heard: int) -> tuple[bytes, bytes]:

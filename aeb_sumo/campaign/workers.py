@@ -28,7 +28,7 @@ __all__ = [
     "take",
 ]
 
-_GRACE = 5.0  # s, our assumption: that a worker has to end by itself when it is asked to
+_GRACE = 5.0  # s, our assumption: that a worker, with its run, has to end by itself when it is asked to
 _LOOK = 0.5  # s between two looks whether a run is still wanted, our assumption
 _READ = 1 << 16  # bytes at once
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")

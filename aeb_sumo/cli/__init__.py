@@ -10,36 +10,40 @@ from aeb_sumo.errors import InputError
 
 __all__ = ["main"]
 
-_MODULES = {
-    "run": "run",
-    "compare": "tables",
-    "report": "report",
-    "replay": "replay",
-    "tables": "tables",
-    "sweep": "sweep",
-    "campaign": "campaign",
-    "plan": "plan",
-    "drivers": "drivers",
-    "calibrate": "calibrate",
-    "intersection": "intersection",
-    "reproduce": "reproduce",
-    "ncap": "ncap",
-    "bench": "bench",
+_COMMANDS = {
+    "run": ("run", "Simulate one scenario with an AEB fleet."),
+    "compare": ("tables", "Print the figures of one or two results folders."),
+    "report": ("report", "Write the results as one HTML page."),
+    "replay": ("replay", "Make one crash or intervention an animation."),
+    "tables": ("tables", "Print what the columns of the tables mean."),
+    "sweep": ("sweep", "Vary one parameter: interventions against crashes."),
+    "campaign": ("campaign", "Execute many runs, and go on where that was ended."),
+    "plan": ("plan", "Say beforehand what a campaign will cost and tell."),
+    "drivers": ("drivers", "Print a driver profile, or which there are."),
+    "calibrate": ("calibrate", "Hold the drivers on the highway against the evidence."),
+    "intersection": ("intersection", "Build an intersection from parameters."),
+    "reproduce": ("reproduce", "Run the published tests of the systems."),
+    "ncap": ("ncap", "Test a system on the proving ground, with scores."),
+    "bench": ("bench", "Measure what an AEB costs on top of SUMO alone."),
 }
-"""Subcommand -> module that has it."""
+"""Subcommand -> module that has it, and what it does, in the list of all."""
 
 
 class _Commands(click.Group):
     """Imports a subcommand when it is asked for: each needs other libraries, and all together take seconds."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
-        return list(_MODULES)
+        return list(_COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        if cmd_name not in _MODULES:
+        if cmd_name not in _COMMANDS:
             return None
-        command = getattr(import_module(f"{__name__}.{_MODULES[cmd_name]}"), cmd_name)
+        command = getattr(import_module(f"{__name__}.{_COMMANDS[cmd_name][0]}"), cmd_name)
         return command if isinstance(command, click.Command) else None
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, what) for name, (_, what) in _COMMANDS.items()])
 
 
 @click.group(cls=_Commands)

@@ -227,3 +227,17 @@ def test_results_go_to_a_url_and_come_from_it(tmp_path):
     done = command("run", "track", "--out", "nowhere://x")
     assert (done.returncode, done.stderr.count("\n")) == (2, 1)
     assert "nowhere://x" in done.stderr
+
+
+def test_help_names_every_command_without_importing_any():
+    code = "import sys, runpy\nsys.argv = ['aeb-sumo']\ntry:\n    runpy.run_module('aeb_sumo')\nfinally:\n"
+    code += "    print({'numpy', 'libsumo', 'numba'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    *told, imported = done.stdout.splitlines()
+    assert imported == "set()"
+    listed = [line.split()[0] for line in told[told.index("Commands:") + 1 :]]
+    assert len(listed) == 14
+    assert max(map(len, told)) < 80
+    for name in listed:
+        assert f"aeb-sumo {name} [OPTIONS]" in " ".join(command(name, "--help").stdout.split())
