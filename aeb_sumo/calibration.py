@@ -17,7 +17,7 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import changed
 from aeb_sumo.simulate import run
 from aeb_sumo.soa import Floats
-from aeb_sumo.world.observe import VClasses
+from aeb_sumo.world.kinds import VClasses
 from aeb_sumo.world.session import SumoError
 
 __all__ = [

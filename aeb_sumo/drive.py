@@ -18,7 +18,7 @@ from aeb_sumo.simulate import run
 from aeb_sumo.soa import Bools, Floats
 from aeb_sumo.strategies.base import Phase, Strategy
 from aeb_sumo.trace import Trace
-from aeb_sumo.world.contact import Boxes, distance
+from aeb_sumo.world.boxes import Boxes, distance
 from aeb_sumo.world.session import SumoError
 
 __all__ = ["Case", "Drive", "body_distance", "drive", "drive_all"]

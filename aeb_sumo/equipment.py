@@ -13,7 +13,7 @@ from aeb_sumo.errors import InputError
 from aeb_sumo.parameters import differences
 from aeb_sumo.perception.suites import Suite, suite
 from aeb_sumo.strategies.base import Strategy
-from aeb_sumo.world.observe import VClasses
+from aeb_sumo.world.kinds import VClasses
 
 __all__ = ["Equipment", "Share", "System", "equipment"]
 

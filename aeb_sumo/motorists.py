@@ -19,8 +19,9 @@ from aeb_sumo.drivers.profile import Profile
 from aeb_sumo.drivers.reactions import Reaction, Response, Threat
 from aeb_sumo.drivers.streams import stream
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
+from aeb_sumo.world.kinds import VClasses
 from aeb_sumo.world.leads import Leads
-from aeb_sumo.world.observe import Traffic, VClasses
+from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.surroundings import Onward
 
 __all__ = ["Motorists", "Notice"]

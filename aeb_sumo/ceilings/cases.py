@@ -8,7 +8,7 @@ import pandas as pd
 
 from aeb_sumo.verdicts import Hit, Outcome, verdict
 from aeb_sumo.world.fork import Answer
-from aeb_sumo.world.observe import VClasses
+from aeb_sumo.world.kinds import VClasses
 from aeb_sumo.world.wrecks import pair_of
 
 __all__ = ["Case", "Otherwise", "cases", "row_of"]

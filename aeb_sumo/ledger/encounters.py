@@ -8,7 +8,7 @@ from aeb_sumo.compiled import kernel
 from aeb_sumo.criticality import crossing_ttc, drac, required_decel, ttc, ttc2, yielding_decel
 from aeb_sumo.perception.lead import truly_ahead
 from aeb_sumo.soa import Bools, Floats, Ints
-from aeb_sumo.world.contact import Boxes, distance
+from aeb_sumo.world.boxes import Boxes, distance
 from aeb_sumo.world.leads import Leads
 from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Crossings

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from aeb_sumo.severity import death_risk, serious_risk
 from aeb_sumo.world.contact import Impact
-from aeb_sumo.world.observe import VClasses
+from aeb_sumo.world.kinds import VClasses
 
 __all__ = ["risks"]
 

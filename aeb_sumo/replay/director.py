@@ -10,7 +10,7 @@ from aeb_sumo.verdicts.book import WINDOW
 from aeb_sumo.verdicts.judge import Outcome
 from aeb_sumo.verdicts.witness import Witness
 from aeb_sumo.world.fork import Answer, Forks, obstacle
-from aeb_sumo.world.observe import VClasses
+from aeb_sumo.world.kinds import VClasses
 
 __all__ = ["LEAD", "Director", "World"]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from aeb_sumo.engine import Engine
 from aeb_sumo.soa import Bools, Floats, Ints
-from aeb_sumo.world.contact import Boxes, distance
+from aeb_sumo.world.boxes import Boxes, distance
 from aeb_sumo.world.scenery import Scenery, lights, scenery
 from aeb_sumo.world.wrecks import Crash
 

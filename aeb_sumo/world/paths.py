@@ -1,7 +1,6 @@
 """Where vehicles mean to go: their planned paths through the next junction, and where these cross."""
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import libsumo
@@ -10,46 +9,14 @@ import numpy as np
 from aeb_sumo.compiled import kernel
 from aeb_sumo.perception.crossing import crossing_zone
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
-from aeb_sumo.world.network import Link, Network
+from aeb_sumo.world.network import Network
 from aeb_sumo.world.observe import Traffic
+from aeb_sumo.world.routes import SPACING, Path, Routes
 
-__all__ = ["Crossings", "Path", "Paths", "Turns"]
+__all__ = ["Crossings", "Paths", "Turns"]
 
-_SPACING = 0.5  # m between the points of a path
 _BEFORE = 60.0  # m before a junction at which a vehicle's path through it begins to matter, our assumption
-_TURNS = frozenset("lLrRt")
 _BEHIND = 2.0  # m behind a junction that a vehicle's tail has to be before it looks to the next one
-
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """A path from a lane through a junction.
-
-    Attributes:
-        points: (n, 2) along the lanes' centres from `origin` on, `_SPACING` apart [m].
-        heading: (n,) direction there [rad].
-        origin: distance along the path at which the points begin [m]: a little before the junction.
-        starts: lane -> distance along the path at which it starts [m].
-        to: the lane behind the junction.
-        junction_at: distance at which the junction begins [m].
-        junction: its id.
-        crossed: other lanes cross it inside the junction.
-        direction: SUMO's letter of the turn.
-        approach: the edge before the junction.
-        gives_way: who goes there has to give way to some: he turns, or comes from a minor road without a signal.
-    """
-
-    points: Floats
-    heading: Floats
-    origin: float
-    starts: dict[str, float]
-    to: str
-    junction_at: float
-    junction: str
-    crossed: bool
-    direction: str
-    approach: str
-    gives_way: bool
 
 
 @dataclass(frozen=True)
@@ -111,10 +78,9 @@ class Paths:
     """
 
     def __init__(self, traffic: Traffic, network: Network) -> None:
-        self._line = cache(self._line_from)
         self._traffic = traffic
         self._network = network
-        self._known: dict[tuple[str, Link], Path] = {}
+        self._routes = Routes(network)
         self._current: list[tuple[str, Path | None]] = []  # per slot, lane and path
         self._ways = np.zeros(0, _WAY)  # per slot
         self._numbers: dict[tuple[Path, float], int] = {}
@@ -124,7 +90,7 @@ class Paths:
         self._rank: Ints = np.zeros(0, np.int64)  # per user, its number among those at its junction
         # Where the paths of two users cross: the row in zones, by the one and the rank of the other, -1 for not known
         # yet; and the zones, nan where they do not.
-        self._rows: Ints = np.zeros((0, 0), np.int64)
+        self._rows: Ints = np.full((64, 16), -1, np.int64)
         self._zones: Floats = np.zeros((0, 4))
         none = np.zeros(0, np.int64)
         self.turns = Turns(none, np.zeros(0), none)
@@ -161,19 +127,12 @@ class Paths:
         if lane != self._current[slot][0]:
             self._change(slot, lane)
         path = self._current[slot][1]
-        line, along = self._line(lane, path)
+        line, along = self._routes.line(lane, path)
         where = np.arange(at, min(at + reach, along[-1]) + 1e-9, spacing)
         points = np.column_stack([np.interp(where, along, line[:, k]) for k in (0, 1)])
         # Who drives beside the middle of his lane goes on doing so.
         result: Floats = points + (np.array([t.x[slot], t.y[slot]]) - points[:1])
         return result
-
-    def _line_from(self, lane: str, path: Path | None) -> tuple[Floats, Floats]:
-        """Centre line of a lane and those behind it on a path: (n, 2) points and (n,) distances along it [m]."""
-        lanes = [lane] if path is None or lane not in path.starts else list(path.starts)
-        line = np.vstack([self._network.shape(each) for each in lanes[lanes.index(lane) :]])
-        line = line[np.concatenate([[True], np.hypot(*np.diff(line, axis=0).T) > 1e-6])]
-        return line, np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
 
     def _near_junctions(self) -> Turns:
         """Vehicles from 60 m before a junction until their tail is out of it, if others cross there."""
@@ -207,19 +166,19 @@ class Paths:
         if path is None:
             if lane and not lane.startswith(":"):
                 left = self._network.length(lane) - position
-                far = left if left <= _BEFORE and self._is_last(t.ids[slot]) else left - _BEFORE
+                far = left if left <= _BEFORE and self._routes.ends_here(t.ids[slot]) else left - _BEFORE
                 if far > 0:
                     way["due"] = t.step + int(far / (t.fastest[slot] * t.dt))
         elif way["turns"]:
             way["user"] = self._user(path, float(t.width[slot]) / 2)
         else:
-            self._go_on(slot, lane, self._path_from(t.ids[slot], lane))
+            self._go_on(slot, lane, self._routes.onward(t.ids[slot], lane))
 
     def _change(self, slot: int, lane: str) -> None:
         """A vehicle has come to another lane."""
         path = self._current[slot][1]
         if path is None or lane not in path.starts:
-            path = self._path_from(self._traffic.ids[slot], lane)
+            path = self._routes.onward(self._traffic.ids[slot], lane)
         self._go_on(slot, lane, path)
 
     def _go_on(self, slot: int, lane: str, path: Path | None) -> None:
@@ -242,8 +201,10 @@ class Paths:
             rank = int((self._junction_of == junction).sum())
             self._junction_of = np.append(self._junction_of, junction)
             self._rank = np.append(self._rank, rank)
-            more = max(0, rank + 1 - self._rows.shape[1])
-            self._rows = np.pad(self._rows, ((0, 1), (0, more)), constant_values=-1)
+            have, need = self._rows.shape, (len(self.users), rank + 1)
+            if need[0] > have[0] or need[1] > have[1]:  # twice as many, or a city would be copied for each of them
+                more = [(0, h if n > h else 0) for n, h in zip(need, have, strict=True)]
+                self._rows = np.pad(self._rows, more, constant_values=-1)
         return self._numbers[key]
 
     def _learn(self, pairs: list[tuple[int, int]]) -> None:
@@ -255,7 +216,7 @@ class Paths:
     def _zone(self, own: int, other: int) -> tuple[float, float, float, float]:
         (path, half), (crossed, other_half) = self.users[own], self.users[other]
         zone = crossing_zone(
-            *(path.points, path.heading, crossed.points, crossed.heading), width=half + other_half, spacing=_SPACING
+            *(path.points, path.heading, crossed.points, crossed.heading), width=half + other_half, spacing=SPACING
         )
         if zone is None:
             return np.nan, np.nan, np.nan, np.nan
@@ -264,58 +225,6 @@ class Paths:
             path.origin + zone.own_to,
             crossed.origin + zone.other_from,
             crossed.origin + zone.other_to,
-        )
-
-    @staticmethod
-    def _is_last(vehicle: str) -> bool:
-        """Whether a vehicle's route ends on the edge where it is."""
-        return bool(libsumo.vehicle.getRouteIndex(vehicle) + 1 >= len(libsumo.vehicle.getRoute(vehicle)))
-
-    def _path_from(self, vehicle: str, lane: str) -> Path | None:
-        """The path on from a lane: through the next junction, or the one that the lane is inside of; None if none."""
-        edges, at = libsumo.vehicle.getRoute(vehicle), libsumo.vehicle.getRouteIndex(vehicle)
-        if not lane or at < 0 or at + 1 >= len(edges):
-            return None
-        # While a vehicle is inside a junction, its current edge is still the one before it.
-        inside = lane.startswith(":")
-        for approach in self._network.lanes(edges[at]) if inside else (lane,):
-            for link in self._network.links(approach):
-                if lane in link.via if inside else self._network.edge(link.to) == edges[at + 1]:
-                    if (approach, link) not in self._known:
-                        self._known[approach, link] = self._build(approach, link)
-                    return self._known[approach, link]
-        return None
-
-    def _build(self, lane: str, link: Link) -> Path:
-        net = self._network
-        lanes = [lane, *link.via, link.to]
-        starts, shapes, length = {}, [], 0.0
-        for each in lanes:
-            starts[each] = length
-            length += net.length(each)
-            shapes.append(net.shape(each))
-        line = np.vstack(shapes)
-        line = line[np.concatenate([[True], np.hypot(*np.diff(line, axis=0).T) > 1e-6])]
-        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-        begin = starts[lanes[1]]
-        origin = max(0.0, begin - 10.0)
-        at = np.arange(origin, min(length, starts[link.to] + 10.0), _SPACING)
-        # SUMO's lane lengths may differ a little from those of their shapes; positions are in the former.
-        on_line = at * along[-1] / length
-        points = np.column_stack([np.interp(on_line, along, line[:, k]) for k in (0, 1)])
-        tangent = np.gradient(points, axis=0)
-        return Path(
-            points,
-            np.arctan2(tangent[:, 1], tangent[:, 0]),
-            origin,
-            starts,
-            link.to,
-            begin,
-            net.junction(lane),
-            any(net.foes(each) for each in link.via),
-            link.direction,
-            net.edge(lane),
-            link.direction in _TURNS or link.minor,
         )
 
 

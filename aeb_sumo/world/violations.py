@@ -7,7 +7,8 @@ import numpy as np
 
 from aeb_sumo.drivers.encounters import FailureToYield, Riders
 from aeb_sumo.soa import Bools
-from aeb_sumo.world.observe import Traffic, VClasses
+from aeb_sumo.world.kinds import VClasses
+from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.paths import Paths
 from aeb_sumo.world.sightlines import Sightlines
 from aeb_sumo.world.surroundings import overlook

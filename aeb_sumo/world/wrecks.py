@@ -8,8 +8,9 @@ import numpy as np
 
 from aeb_sumo.soa import Bools, Floats, Ints, fitted
 from aeb_sumo.world.contact import Impact, impact, touching
+from aeb_sumo.world.kinds import VClasses
 from aeb_sumo.world.network import Network
-from aeb_sumo.world.observe import Traffic, VClasses
+from aeb_sumo.world.observe import Traffic
 from aeb_sumo.world.typology import typology
 from aeb_sumo.world.walkers import PREFIX, fell
 

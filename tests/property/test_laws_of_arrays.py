@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from aeb_sumo.criticality import ttc, ttc2
 from aeb_sumo.units import G
 from aeb_sumo.vehicle.brake import BrakeParams, brake_init, brake_step
-from aeb_sumo.world.contact import Boxes, separation
+from aeb_sumo.world.boxes import Boxes, separation
 
 gaps = st.floats(0.1, 200)
 speeds = st.floats(-40, 40)

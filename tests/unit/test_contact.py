@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from aeb_sumo.world.contact import Boxes, distance, impact, separation, touching
+from aeb_sumo.world.boxes import Boxes, distance, separation
+from aeb_sumo.world.contact import impact, touching
 from aeb_sumo.world.observe import Traffic
 
 DT = 0.1

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeb_sumo.perception.occlusion import NOBODY, Screens, diagonals, in_sight
-from aeb_sumo.world.contact import Boxes, separation
+from aeb_sumo.world.boxes import Boxes, separation
 
 EYE, TARGET, OTHER = 0, 1, 2
 
