@@ -3,26 +3,37 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from aeb_sumo.campaign.identity import Fitted, content, differences, known
+from aeb_sumo import scenarios, strategies
+from aeb_sumo.campaign.identity import Fitted, code, content, differences, known
 from aeb_sumo.campaign.settings import Settings
 from aeb_sumo.errors import InputError
 from aeb_sumo.simulate import run
 
-__all__ = ["NotTheSameError", "prepare", "simulate"]
+__all__ = ["NotTheSameError", "get_ready", "prepare", "simulate"]
 
 
 class NotTheSameError(Exception):
     """Here are other files, or another program, than where the campaign was started."""
 
 
+def get_ready() -> None:
+    """Import all that runs are made with, and only then look at the code: what is edited later is another program."""
+    strategies.names()
+    scenarios.names()
+    code()
+
+
 def prepare(job: Mapping[str, Any]) -> None:
-    """Calculate what is calculated once per process for the systems of a run, such as control surfaces.
+    """Calculate what the systems of a run have calculated once per process, such as control surfaces.
+
+    Those from outside are left alone: what they remember shall not depend on the runs before.
 
     Raises:
         Exception: whatever keeps them from being made; `simulate` says what.
     """
     for system in Settings.of(job["settings"]).carried.make().systems:
-        system.strategy.init(1)
+        if type(system.strategy).__module__.startswith("aeb_sumo."):
+            system.strategy.init(1)
 
 
 def simulate(job: Mapping[str, Any], stop: Callable[[], bool]) -> tuple[str, str]:

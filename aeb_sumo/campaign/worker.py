@@ -20,7 +20,6 @@ import traceback
 import warnings
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from importlib import import_module
 from math import ceil
 from types import FrameType
@@ -44,21 +43,6 @@ class _GivenUpError(BaseException):
     """The campaign has ended, or wants this run to end: nothing of it is to be kept."""
 
 
-@dataclass(frozen=True)
-class _Told:
-    """What the process of a run tells its worker.
-
-    Attributes:
-        result: how the run ended.
-        modules: what it had to import.
-        kernels: what it had to compile, as from `compiled.known`.
-    """
-
-    result: dict[str, Any]
-    modules: list[str]
-    kernels: list[Any]
-
-
 def main() -> None:
     """Have the jobs on standard input simulated, until there are no more."""
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
@@ -66,12 +50,15 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, _give_up)
     try:
-        from aeb_sumo.campaign.identity import code  # noqa: PLC0415 - what takes long comes after the signals
+        from aeb_sumo.campaign.run import get_ready  # noqa: PLC0415 - what takes long comes after the signals
 
-        code()  # as it is now, whatever is changed on the disk before the last job
+        get_ready()
         for job in _jobs():
             answers.write(TAKEN)
-            answers.write(json.dumps(_simulated(job, answers.fileno())).encode() + b"\n")
+            result, lesson = _simulated(job, answers.fileno())
+            answers.write(json.dumps(result).encode() + b"\n")
+            with suppress(Exception):  # then the next run has to do it again
+                _learn(lesson)
     except (_GivenUpError, BrokenPipeError):
         sys.exit(1)
 
@@ -95,8 +82,12 @@ def _readable(files: list[int], patience: float | None = None) -> list[int]:
     return select.select(files, [], [], patience)[0]
 
 
-def _simulated(job: dict[str, Any], answers: int) -> dict[str, Any]:
-    """The outcome of a job, whatever happens to its process, which has no part in the `answers`.
+def _simulated(job: dict[str, Any], answers: int) -> tuple[dict[str, Any], bytes]:
+    """The outcome of a job, whatever happens to its process, and what there is to learn from it.
+
+    Args:
+        job: from `runner.payload`.
+        answers: which the process of the run has no part in.
 
     Raises:
         _GivenUpError: nobody waits for it any more.
@@ -112,9 +103,16 @@ def _simulated(job: dict[str, Any], answers: int) -> dict[str, Any]:
         warnings.simplefilter("ignore", DeprecationWarning)
         worker, run = os.getpid(), os.fork()
     if run == 0:
-        for end in (answers, inward, heard):
-            os.close(end)
-        _live(job, worker, outward, said)
+        status = 1
+        try:
+            for end in (answers, inward, heard):
+                os.close(end)
+            _live(job, worker, outward, said)
+            status = 0
+        except Exception:
+            traceback.print_exc()
+        finally:
+            os._exit(status)
     for end in (outward, said):
         os.close(end)
     try:
@@ -126,12 +124,10 @@ def _simulated(job: dict[str, Any], answers: int) -> dict[str, Any]:
         status = os.waitstatus_to_exitcode(os.waitpid(run, 0)[1])
         for end in (inward, heard):
             os.close(end)
-    try:
-        answer: _Told = pickle.loads(told)  # noqa: S301 - from a copy of ourselves
-    except (EOFError, pickle.UnpicklingError):
-        return {"outcome": "failed", "reason": death(status, messages)}
-    _learn(answer)
-    return answer.result
+    result, complete, lesson = told.partition(b"\n")
+    if not complete:
+        return {"outcome": "failed", "reason": death(status, messages)}, b""
+    return json.loads(result), lesson
 
 
 def _end(run: int) -> None:
@@ -163,45 +159,38 @@ def _listen(inward: int, heard: int) -> tuple[bytes, bytes]:
     return told, messages
 
 
-def _learn(answer: _Told) -> None:
+def _learn(lesson: bytes) -> None:
     """Have from now on what a run had to import and compile."""
     from aeb_sumo import compiled  # noqa: PLC0415
 
-    for name in answer.modules:
+    modules, kernels = pickle.loads(lesson)  # noqa: S301 - from a copy of ourselves
+    for name in modules:
         with suppress(Exception):  # made up by somebody, and not to be imported by its name
             import_module(name)
-    compiled.prepare(answer.kernels)
+    for each in kernels:
+        with suppress(Exception):  # the same
+            compiled.prepare([each])
 
 
 def _live(job: dict[str, Any], worker: int, outward: int, said: int) -> None:
-    """The life of the process of a run; it ends here."""
-    try:
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGTERM))
-        os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-        os.dup2(said, 1)
-        os.dup2(said, 2)
-        signal.alarm(ceil(min(job["limit_s"] + _BEYOND, 2**31 - 1)))
-        told = _run(job, worker)
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it is done
-        with os.fdopen(outward, "wb") as pipe:
-            pickle.dump(told, pipe)
-        status = 0
-    except _GivenUpError:
-        status = 1
-    except BaseException:
-        traceback.print_exc()
-        status = 1
-    sys.stderr.flush()
-    os._exit(status)
-
-
-def _run(job: dict[str, Any], worker: int) -> _Told:
-    """How a run ended, and what the next one need not do again."""
-    from aeb_sumo import compiled  # noqa: PLC0415
-
+    """The life of the process of a run: simulates, and says in a line how that went, and then what it had to learn."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, int(signal.SIGTERM))
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    os.dup2(said, 1)
+    os.dup2(said, 2)
+    signal.alarm(ceil(min(job["limit_s"] + _BEYOND, 2**31 - 1)))
     before = set(sys.modules)
     result = _result(job, worker)
-    return _Told(result, [name for name in sys.modules if name not in before], compiled.known())
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it is done
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(Exception):  # closed by somebody
+            stream.flush()
+    with os.fdopen(outward, "wb") as pipe:
+        pipe.write(json.dumps(result).encode() + b"\n")
+        pipe.flush()
+        from aeb_sumo import compiled  # noqa: PLC0415
+
+        pickle.dump(([name for name in sys.modules if name not in before], compiled.known()), pipe)
 
 
 def _result(job: dict[str, Any], worker: int) -> dict[str, Any]:

@@ -31,6 +31,7 @@ __all__ = [
 _GRACE = 5.0  # s, our assumption: that a worker, with its run, has to end by itself when it is asked to
 _LOOK = 0.5  # s between two looks whether a run is still wanted, our assumption
 _READ = 1 << 16  # bytes at once
+_LAST = 4096  # bytes of what a worker prints are kept
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
@@ -51,6 +52,7 @@ class Worker:
 
     Attributes:
         campaign: whose jobs: of another one, code and files may be others by now.
+        last_words: the end of what it has said of its own.
     """
 
     def __init__(self, campaign: str) -> None:
@@ -69,9 +71,12 @@ class Worker:
         )
         self._process = process
         self._fresh = True  # it has answered nothing yet
+        self.last_words = b""
+        self._over = False
         self._stdin, self._stdout, self._stderr = (
             cast("IO[bytes]", stream) for stream in (process.stdin, process.stdout, process.stderr)
         )
+        os.set_blocking(self._stderr.fileno(), False)
 
     def ask(self, job: bytes, deadline: float, wanted: Callable[[], bool]) -> bytes:
         """Its answer to a job: a line each; empty if it has ended instead.
@@ -84,13 +89,18 @@ class Worker:
         with suppress(BrokenPipeError):
             self._stdin.write(job)
         answer, waiting = b"", select.poll()  # unlike `select`, with any number of open files
-        waiting.register(self._stdout, select.POLLIN)
+        for stream in (self._stdout, self._stderr):
+            waiting.register(stream, select.POLLIN)
         while answer.count(b"\n") < 2:  # taken, and how it went
             left = deadline - time.monotonic()
-            if waiting.poll(1000 * max(0.0, min(left, _LOOK))):
+            ready = [file for file, _ in waiting.poll(1000 * max(0.0, min(left, _LOOK)))]
+            if self._stderr.fileno() in ready and not self._hear():
+                waiting.unregister(self._stderr)
+            if self._stdout.fileno() in ready:
                 data = os.read(self._stdout.fileno(), _READ)
                 if not data:
-                    self._process.wait()
+                    self.end(time.monotonic() + _GRACE)
+                    self._hear()
                     if not answer and not self._fresh:
                         raise LeftError
                     return b""
@@ -102,28 +112,33 @@ class Worker:
         self._fresh = False
         return answer.removeprefix(TAKEN)
 
+    def _hear(self) -> bool:
+        """Take in what it says of its own, so that it does not wait for a listener; False when it can say no more."""
+        with suppress(BlockingIOError):
+            while data := os.read(self._stderr.fileno(), _READ):
+                self.last_words = (self.last_words + data)[-_LAST:]
+            return False
+        return True
+
     @property
     def status(self) -> int | None:
         """With which it has ended: negative, the signal that ended it; None if it has not."""
         return self._process.poll()
-
-    @property
-    def last_words(self) -> bytes:
-        """What it has said of its own, once it has ended."""
-        return self._stderr.read()
 
     def terminate(self) -> None:
         """Ask it to end, and to take away what is unfinished."""
         self._process.terminate()
 
     def end(self, deadline: float) -> None:
-        """Wait for its end until then, and kill it, with all that it has forked, if it is still there."""
+        """Wait for its end until then; it is killed if it is still there, and so is whom it has left behind."""
+        if self._over:
+            return
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(max(0.0, deadline - time.monotonic()))
-        if self._process.poll() is None:
-            with suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL)
-            self._process.wait()
+        self._over = True  # another process may get its number now
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
 
     def close(self) -> None:
         """Give back what it was connected by; not while somebody asks it."""
@@ -143,27 +158,39 @@ def take(campaign: str) -> Worker:
     Raises:
         EndedError: `end_workers` has been called.
     """
+    _bury()
     with _change:
         if _ending:
             raise EndedError
-        useless = [each for each in _idle if each.campaign != campaign or each.status is not None]
-        _idle[:] = [each for each in _idle if each not in useless]
-        worker = _idle.pop() if _idle else Worker(campaign)
+        for worker in reversed(_idle):
+            if worker.campaign == campaign:
+                _idle.remove(worker)
+                return worker
+        worker = Worker(campaign)
         _all.add(worker)
-    _end(useless)
-    _close(useless)
-    return worker
+        return worker
 
 
 def give_back(worker: Worker, *, usable: bool) -> None:
     """A worker has nothing to do any more; one that is not usable is ended."""
+    _bury()
     with _change:
         usable = usable and not _ending
         if usable:
             _idle.append(worker)
     if not usable:
         _end([worker])
-        _close([worker])
+        worker.close()
+
+
+def _bury() -> None:
+    """Let go of those who have left."""
+    with _change:
+        gone = [each for each in _idle if each.status is not None]
+        _idle[:] = [each for each in _idle if each not in gone]
+        _all.difference_update(gone)
+    for each in gone:
+        each.close()
 
 
 def dismiss_idle() -> None:
@@ -172,7 +199,8 @@ def dismiss_idle() -> None:
         workers = _idle.copy()
         _idle.clear()
     _end(workers)
-    _close(workers)
+    for each in workers:
+        each.close()
 
 
 def end_workers() -> None:
@@ -201,8 +229,3 @@ def _end(workers: Iterable[Worker]) -> None:
         worker.end(deadline)
     with _change:
         _all.difference_update(workers)
-
-
-def _close(workers: Iterable[Worker]) -> None:
-    for worker in workers:
-        worker.close()
