@@ -15,6 +15,8 @@ from aeb_sumo.soa import Floats
 
 __all__ = ["RuleBase", "Surface"]
 
+Singles = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
+
 _UNIVERSE_POINTS = 201  # of the output variable, for the centroid
 
 
@@ -84,18 +86,30 @@ class RuleBase:
         moments = _centroid_weights(self.universe()).astype(single)
         values = np.empty((len(x), len(y)))
         aggregate = np.empty((len(y), _UNIVERSE_POINTS), single)
-        clipped = np.empty_like(aggregate)
         for row in range(len(x)):
-            aggregate[:] = 0
-            for k, shape in enumerate(out):
-                strength = np.zeros(len(y), single)
-                for i, j in zip(*np.nonzero(self.rules == k), strict=True):
-                    np.maximum(strength, np.minimum(in_x[i, row], in_y[j]), out=strength)
-                np.minimum(strength[:, None], shape, out=clipped)
-                np.maximum(aggregate, clipped, out=aggregate)
+            _infer(in_x[:, row].copy(), in_y, self.rules, out, aggregate)
             area, moment = (aggregate @ moments).T
             values[row] = moment / area
         return Surface(x, y, values)
+
+
+@kernel
+def _infer(
+    in_x: Singles, in_y: Singles, rules: np.ndarray[tuple[int, int], np.dtype[np.int64]], out: Singles,
+    aggregate: Singles,
+) -> None:  # fmt: skip
+    """Fill in `aggregate`, (n, points) over the output universe, for memberships (nx,) of x and (ny, n) of all y."""
+    strength = np.zeros((len(out), in_y.shape[1]), np.float32)
+    for i in range(rules.shape[0]):
+        for j in range(rules.shape[1]):
+            k = rules[i, j]
+            for y in range(in_y.shape[1]):
+                strength[k, y] = max(strength[k, y], min(in_x[i], in_y[j, y]))
+    aggregate[:] = 0
+    for y in range(in_y.shape[1]):
+        for k in range(len(out)):
+            for z in range(out.shape[1]):
+                aggregate[y, z] = max(aggregate[y, z], min(strength[k, y], out[k, z]))
 
 
 def _grid(sets: Floats, limits: tuple[float, float], lines: int) -> Floats:
