@@ -199,13 +199,18 @@ class Equipment:
         digest = f"-{number(0, self.text, self.parameters):016x}"[:9] if self._mixed or self.parameters else ""
         return f"{scenario}-{self.folder}{share}{digest}-s{seed}"
 
+    @property
+    def types(self) -> frozenset[str]:
+        """Of the kinds those that can only be vehicle types."""
+        return self.kinds - VClasses.ALL - {_CARS}
+
     def check_kinds(self, types: Collection[str]) -> None:
         """Check that every kind exists, as a class or as one of these vehicle types.
 
         Raises:
             InputError: one does not.
         """
-        for kind in sorted(self.kinds - VClasses.ALL - {_CARS} - set(types)):
+        for kind in sorted(self.types - set(types)):
             there = ", ".join(sorted(t for t in types if not t.startswith("DEFAULT_"))) or "none"
             raise InputError(
                 f"equipment of {kind!r}, which is no vehicle class and no vehicle type that SUMO has read so far; "

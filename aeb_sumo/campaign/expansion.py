@@ -9,6 +9,7 @@ from typing import Any
 
 from aeb_sumo import strategies
 from aeb_sumo.campaign.identity import Fitted, Known, content, known, run_id
+from aeb_sumo.campaign.kinds import vehicle_types
 from aeb_sumo.campaign.settings import Carried, Settings, World, drivers_of
 from aeb_sumo.campaign.spec import Spec
 from aeb_sumo.equipment import Equipment
@@ -75,6 +76,7 @@ def expand(spec: Spec) -> list[Job]:
     """
     worlds = [(world, known(made)) for world, made in _worlds(spec)]
     systems = [(carried, Fitted(carried.make())) for carried in _checked_systems(spec)]
+    _check_types(spec, [made for _, made in worlds], [each.equipment for _, each in systems])
     jobs: dict[str, Job] = {}
     for seed in spec.factors.get("seed", (None,)):
         for (world, made), (carried, equip) in product(worlds, systems):
@@ -137,6 +139,19 @@ def _checked_systems(spec: Spec) -> list[Carried]:
         with _naming(spec, "equip" if carried.equip else "strategy"):
             carried.make()
     return systems
+
+
+def _check_types(spec: Spec, worlds: Iterable[Known], systems: Iterable[Equipment]) -> None:
+    """Vehicle types that equipment names are there; only SUMO knows the types of a scenario."""
+    naming = [each for each in systems if each.types]
+    for world in worlds if naming else ():
+        try:
+            there = vehicle_types(world.scenario)
+        except InputError:  # each of its runs will say so
+            continue
+        for equipment in naming:
+            with _naming(spec, "equip"):
+                equipment.check_kinds(there)
 
 
 def _systems(spec: Spec) -> Iterator[Carried]:

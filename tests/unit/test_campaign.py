@@ -227,6 +227,10 @@ WRONG = [
     ),
     ("[factors]\nscenario = 'w0'\nequip = 'nope=1'\n", "[factors] equip: unknown strategy 'nope'"),
     ("[factors]\nscenario = 'w0'\nequip = 'staged=2'\n", "[factors] equip: the share of staged must lie within 0..1"),
+    (
+        "[factors]\nscenario = ['w0', 'track']\nequip = ['passenger:staged=1', 'spaceship:staged=1']\n",
+        "[factors] equip: equipment of 'spaceship', which is no vehicle class and no vehicle type",
+    ),
     ("[factors]\nscenario = 'w0'\nequip = 'staged=1'\npenetration = 1\n", "[factors] penetration: needs strategy"),
     (
         "[factors]\nscenario = 'w0'\nstrategy = 'none'\npenetration = 2\n",
