@@ -96,15 +96,15 @@ class Worker:
             ready = [file for file, _ in waiting.poll(1000 * max(0.0, min(left, _LOOK)))]
             if self._stderr.fileno() in ready and not self._hear():
                 waiting.unregister(self._stderr)
-            if self._stdout.fileno() in ready:
-                data = os.read(self._stdout.fileno(), _READ)
-                if not data:
-                    self.end(time.monotonic() + _GRACE)
-                    self._hear()
-                    if not answer and not self._fresh:
-                        raise LeftError
-                    return b""
+            data = os.read(self._stdout.fileno(), _READ) if self._stdout.fileno() in ready else None
+            if data:
                 answer += data
+            elif data is not None or self.status is not None:  # a run that it left behind may still hold its output
+                self.end(time.monotonic() + _GRACE)
+                self._hear()
+                if not answer and not self._fresh:
+                    raise LeftError
+                return b""
             elif left <= _LOOK:
                 raise TimeoutError
             elif not wanted():
