@@ -174,8 +174,8 @@ def test_a_lock_dies_with_its_process(tmp_path):
         pass
 
 
-MANY = SMALL_CAMPAIGN.replace("= 8", "= 20").format(seeds="'1..30'")
-"""Of 60 runs, which take a few seconds in all."""
+MANY = SMALL_CAMPAIGN.replace("= 8", "= 20").format(seeds="'1..12'")
+"""Of 24 runs, which take a few seconds in all."""
 
 
 @pytest.fixture(scope="module")
@@ -193,7 +193,7 @@ def kill_and_resume(spec: Path, out: Path, chance: np.random.Generator, kills: i
     spec.write_text(MANY)
     for _ in range(kills):
         process = start(spec, out, "--workers", "2")
-        wanted = min(len(finished(out)) + int(chance.integers(20)), 59)
+        wanted = min(len(finished(out)) + int(chance.integers(8)), 23)
         wait_for(lambda n=wanted, p=process: len(finished(out)) >= n or p.poll() is not None)
         time.sleep(chance.uniform(0.0, 0.3))
         process.kill()
@@ -240,7 +240,7 @@ def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(undisturbed, tmp_pat
     (line,) = errors.splitlines()
     assert "interrupted; finished runs are kept, and the same command does the rest" in line
     assert not any(Path(f"/proc/{pid}").exists() for pid in at_work)
-    assert 0 < len(finished(out)) < 60
+    assert 0 < len(finished(out)) < 24
     assert set(analysis.load(out).runs["outcome"]) == {"completed"}
     assert command("campaign", spec, "--out", out).returncode == 0
     assert tables(out) == tables(undisturbed)
@@ -318,8 +318,7 @@ def test_a_run_whose_worker_is_killed_does_not_go_on_by_itself(tmp_path, spec):
 
 def test_a_worker_that_talks_much_is_listened_to(tmp_path, spec, monkeypatch):
     monkeypatch.setenv("PYTHONVERBOSE", "1")
-    for job in expand(read(spec))[:2]:
-        assert execute(payload(job, str(tmp_path / "out"))).outcome == "completed"
+    assert execute(payload(expand(read(spec))[0], str(tmp_path / "out"))).outcome == "completed"
     dismiss_idle()
 
 
