@@ -12,6 +12,7 @@ Rules, which tests/contract/test_kernels.py holds them to:
 """
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from importlib import import_module
 from typing import Any, TypeVar, cast
 
@@ -44,9 +45,13 @@ def known() -> list[Known]:
 
 
 def prepare(kernels: Iterable[Known]) -> None:
-    """Compile or load kernels before they are called; from `known` of a process of the same program."""
+    """Compile or load kernels before they are called; from `known` of a process of the same program.
+
+    One that cannot be found by its name, as it was made within a function, is left out.
+    """
     for module, name, types in kernels:
-        getattr(import_module(module), name).compile(types)
+        with suppress(AttributeError, ImportError):
+            getattr(import_module(module), name).compile(types)
 
 
 def announce(say: Callable[[], None]) -> None:

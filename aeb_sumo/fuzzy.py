@@ -15,7 +15,7 @@ from aeb_sumo.soa import Floats
 
 __all__ = ["RuleBase", "Surface"]
 
-Singles = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
+_Singles = np.ndarray[tuple[int, ...], np.dtype[np.float32]]
 
 _UNIVERSE_POINTS = 201  # of the output variable, for the centroid
 
@@ -95,8 +95,8 @@ class RuleBase:
 
 @kernel
 def _infer(
-    in_x: Singles, in_y: Singles, rules: np.ndarray[tuple[int, int], np.dtype[np.int64]], out: Singles,
-    aggregate: Singles,
+    in_x: _Singles, in_y: _Singles, rules: np.ndarray[tuple[int, int], np.dtype[np.int64]], out: _Singles,
+    aggregate: _Singles,
 ) -> None:  # fmt: skip
     """Fill in `aggregate`, (n, points) over the output universe, for memberships (nx,) of x and (ny, n) of all y."""
     strength = np.zeros((len(out), in_y.shape[1]), np.float32)

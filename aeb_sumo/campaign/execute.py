@@ -59,7 +59,7 @@ def _asked(job: dict[str, Any], deadline: float, wanted: Callable[[], bool]) -> 
     """What a worker makes of a job.
 
     Raises:
-        LeftError: nothing.
+        LeftError: the worker had left before it was asked.
     """
     usable = False
     try:

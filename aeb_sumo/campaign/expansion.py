@@ -9,9 +9,9 @@ from typing import Any
 
 from aeb_sumo import strategies
 from aeb_sumo.campaign.identity import Fitted, Known, content, known, run_id
-from aeb_sumo.campaign.kinds import vehicle_types
 from aeb_sumo.campaign.settings import Carried, Settings, World, drivers_of
 from aeb_sumo.campaign.spec import Spec
+from aeb_sumo.campaign.vehicle_types import vehicle_types
 from aeb_sumo.equipment import Equipment
 from aeb_sumo.errors import InputError
 from aeb_sumo.perception.suites import suite

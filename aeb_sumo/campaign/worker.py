@@ -17,7 +17,6 @@ import signal
 import sys
 import time
 import traceback
-import warnings
 from collections.abc import Iterator
 from contextlib import suppress
 from importlib import import_module
@@ -93,15 +92,13 @@ def _simulated(job: dict[str, Any], answers: int) -> tuple[dict[str, Any], bytes
         _GivenUpError: nobody waits for it any more.
     """
     from aeb_sumo.campaign.run import prepare  # noqa: PLC0415
+    from aeb_sumo.world.fork import fork  # noqa: PLC0415
 
     with suppress(Exception):  # the run will say why
         prepare(job)
     gc.freeze()  # what is here now is shared with all forks, and collecting it would copy it
     (inward, outward), (heard, said) = os.pipe(), os.pipe()
-    with warnings.catch_warnings():
-        # Python sees threads, those of the linear algebra, and does not know that they expect forks.
-        warnings.simplefilter("ignore", DeprecationWarning)
-        worker, run = os.getpid(), os.fork()
+    worker, run = os.getpid(), fork()
     if run == 0:
         status = 1
         try:
@@ -167,9 +164,7 @@ def _learn(lesson: bytes) -> None:
     for name in modules:
         with suppress(Exception):  # made up by somebody, and not to be imported by its name
             import_module(name)
-    for each in kernels:
-        with suppress(Exception):  # the same
-            compiled.prepare([each])
+    compiled.prepare(kernels)
 
 
 def _live(job: dict[str, Any], worker: int, outward: int, said: int) -> None:

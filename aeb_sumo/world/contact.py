@@ -12,7 +12,7 @@ from aeb_sumo.soa import Bools, Floats, Ints
 from aeb_sumo.world.boxes import Boxes, may_have_touched, middle_of_overlap, parting_axis, separation
 from aeb_sumo.world.observe import Traffic
 
-__all__ = ["Impact", "impact", "jumped", "touching"]
+__all__ = ["Impact", "impact", "touching"]
 
 _SAMPLES = np.linspace(0.0, 1.0, 9)  # of a step, for vehicles that may pass each other within it
 _BISECTIONS = 20  # 0.1 s / 8 / 2^20: below a microsecond

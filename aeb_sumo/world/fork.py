@@ -18,7 +18,7 @@ from typing import Any
 
 import libsumo
 
-__all__ = ["Answer", "Forks", "obstacle"]
+__all__ = ["Answer", "Forks", "fork", "obstacle"]
 
 _READ = 1 << 16  # bytes at once
 _WAKE = b"!"
@@ -47,6 +47,13 @@ class _Child:
     call: int
     started: float = 0.0
     data: bytes = b""
+
+
+def fork() -> int:
+    """`os.fork`, without a word about threads: Python sees those of the linear algebra, which expect forks."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return os.fork()
 
 
 def obstacle() -> str:
@@ -132,10 +139,7 @@ class Forks:
             for _ in range(2):
                 ends += os.pipe()
             inward, outward, listen, call = ends
-            with warnings.catch_warnings():
-                # Python sees threads, those of the linear algebra, and does not know that they expect forks.
-                warnings.simplefilter("ignore", DeprecationWarning)
-                pid = os.fork()
+            pid = fork()
         except OSError as error:
             for end in ends:
                 os.close(end)

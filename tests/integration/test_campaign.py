@@ -324,12 +324,14 @@ def test_a_worker_that_talks_much_is_listened_to(tmp_path, spec, monkeypatch):
 
 def test_what_cannot_be_learnt_from_a_run_does_not_touch_its_result(tmp_path, spec, monkeypatch):
     (tmp_path / "sitecustomize.py").write_text(
-        "import pickle\ndef dump(*_):\n    raise pickle.PicklingError('odd')\npickle.dump = dump\n"
+        f"import pickle\ndef dump(*_):\n    open({str(tmp_path / 'asked')!r}, 'w').close()\n"
+        "    raise pickle.PicklingError('odd')\npickle.dump = dump\n"
     )
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     outcome = execute(payload(expand(read(spec))[0], str(tmp_path / "out")))
     assert (outcome.outcome, outcome.in_tables) == ("completed", True)
     assert outcome.cpu_s > 0
+    assert (tmp_path / "asked").exists()
     dismiss_idle()
 
 
